@@ -23,10 +23,9 @@ import numpy as np
 
 from ..bundle import Bundle, MotorUnit
 from ..bundle.pressurized import check_volume_by_strain
-from ..core.array_namespace import array_namespace, maximum, sqrt, where
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, with_fields
-from ..core.types import Float, Int, Numbers, Values
+from ..core.types import Float, Int, Numbers
 from ..muscle import Muscle
 from .task import Task
 
@@ -59,37 +58,27 @@ _RATIOS = (  # ρ_N of 1 to 30 circles, Graham and others (1998)
 _EXACT = {2: 2.0, 3: 1 + 2 / np.sqrt(3), 4: 1 + np.sqrt(2)}  # closed forms of some of them
 
 
-def packing_ratio(count: Values) -> Numbers:
-    r"""Radius $\rho_N$ of the circle around $N$ equal circles, over the radius of one [-].
-
-    **Arguments:** `count`: $N$, their number [-], at least 1.
+def packing_ratio(count: Int[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
+    r"""Radius $\rho_N$ of the circle around $N$ equal circles, over the radius of one [-]; `count`:
+    $N$, at least 1.
     """
     table = np.array([_EXACT.get(n, rho) for n, rho in enumerate(_RATIOS, start=1)])
-    xp, largest = array_namespace(count), len(table)
-    n = xp.asarray(count)
-    tabulated = xp.asarray(table)[xp.clip(n, 1, largest) - 1]
-    return where(n > largest, table[-1] * sqrt(n / largest), tabulated)
+    dense = table[-1] * np.sqrt(np.asarray(count) / len(table))
+    return np.where(count > len(table), dense, table[np.clip(count, 1, len(table)) - 1])
 
 
-def packed_radius(radii: Values, counts: Values) -> Numbers:
-    """Radius of the circle around all muscles, equation (G1).
-
-    **Arguments:**
-
-    - `radii`: of a muscle of each unit [m].
-    - `counts`: muscles in each unit [-]; 0 for none.
-
-    **Returns:** the radius [m].
+def packed_radius(
+    radii: Float[np.ndarray, "*any unit"], counts: Int[np.ndarray, "*any unit"]
+) -> Float[np.ndarray, "*any"]:
+    """Radius of the circle around all muscles [m], equation (G1); `radii`: of a muscle of each unit
+    [m]; `counts`: muscles in each unit.
     """
-    xp = array_namespace(radii, counts)
-    radii, counts = xp.asarray(radii), xp.asarray(counts)
     N = counts.sum(axis=-1)
-    dense = packing_ratio(N) * sqrt((counts * radii**2).sum(axis=-1) / maximum(N, 1))
+    dense = packing_ratio(N) * np.sqrt((counts * radii**2).sum(axis=-1) / np.maximum(N, 1))
     # the two largest: a unit of two or more has both
-    first, second = where(counts > 0, radii, 0.0), where(counts > 1, radii, 0.0)
-    largest = xp.sort(xp.concatenate([first, second], axis=-1), axis=-1)
-    side_by_side = largest[..., -1] + largest[..., -2]
-    return where(N == 2, side_by_side, maximum(dense, side_by_side))
+    largest = np.concatenate([radii * (counts > 0), radii * (counts > 1)], axis=-1)
+    side_by_side = np.sort(largest, axis=-1)[..., -2:].sum(axis=-1)
+    return np.where(N == 2, side_by_side, np.maximum(dense, side_by_side))
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,8 +102,7 @@ class Designs:
         """Refuse drawings whose fluid depends on more than strain, or whose law has one size."""
         check_volume_by_strain(self.drawings.values())
         for muscle in self.drawings.values():
-            if muscle.tension.reference_muscle:
-                reference = muscle.tension.reference_muscle
+            if reference := muscle.tension.reference_muscle:
                 rule = f"has the numbers of {reference}, and a design has other sizes"
                 remedy = "take a law of any muscle, such as klute_hannaford"
                 raise InvalidInputError("tension", rule, muscle.tension.name, remedy)
@@ -123,16 +111,10 @@ class Designs:
     def of(cls, muscle: Muscle, counts: Any, name: str = "muscle") -> "Designs":
         """Designs of one `muscle` with a `name`; `counts`: muscles in each unit [-], a row each."""
         n = pad_rows([[int(x) for x in row if x] for row in counts])
-        size = np.ones(n.shape)
-        return cls(
-            {name: muscle},
-            np.zeros(len(n), int),
-            n,
-            np.full(len(n), float(muscle.length)),
-            float(muscle.outer_radius) * size,
-            float(muscle.wall_thickness) * size,
-            float(muscle.braid_angle) * size,
-        )
+        names = ("outer_radius", "wall_thickness", "braid_angle")
+        sizes = [np.full(n.shape, float(getattr(muscle, size))) for size in names]
+        length = np.full(len(n), float(muscle.length))
+        return cls({name: muscle}, np.zeros(len(n), int), n, length, *sizes)
 
     def __len__(self) -> int:
         return len(self.counts)
@@ -155,24 +137,11 @@ class Designs:
             uniform &= np.all((sizes == sizes[:, :1]) | (self.counts == 0), axis=1)
         return uniform
 
-    @property
-    def single_drawing(self) -> Muscle:
-        """The drawing of all designs; `InvalidInputError` for designs of several."""
-        if len(kinds := set(self.kind.tolist())) != 1:
-            raise InvalidInputError("designs", "must be of one drawing", len(kinds))
-        return list(self.drawings.values())[kinds.pop()]
-
     def take(self, index: np.ndarray | slice, units: int | None = None) -> "Designs":
         """Designs with an `index`, a mask or a slice; their first `units` alone."""
-        return Designs(
-            self.drawings,
-            self.kind[index],
-            self.counts[index, :units],
-            self.length[index],
-            self.radius[index, :units],
-            self.wall[index, :units],
-            self.angle[index, :units],
-        )
+        per_unit = (x[index, :units] for x in (self.radius, self.wall, self.angle))
+        kind, counts = self.kind[index], self.counts[index, :units]
+        return Designs(self.drawings, kind, counts, self.length[index], *per_unit)
 
     def sizes(self, index: int) -> Sizes:
         """Sizes of the muscles of each unit of the design with an `index`."""
@@ -197,9 +166,7 @@ class Designs:
             for unit, n in enumerate(self.counts[index])
             if n
         ]
-        if task is None:
-            return Bundle(units)
-        return Bundle(units, task.supply_pressure, task.scheme)
+        return Bundle(units, *((task.supply_pressure, task.scheme) if task else ()))
 
 
 def scaled_designs(

@@ -311,7 +311,7 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
     reported = _spread_of_rows(result, result.front, uncertainty, draws, tuple(result.values))
     number = int(np.sum(~np.isnan(probability)))
     safety = Safety(
-        *(uncertainty, float(alone.probability[0]), number, safe.size, complete, reported),
+        *(uncertainty, float(alone.probability[0]), number, complete, reported),
         nearest_unsafe=surest,
         nearest_share=np.nan if surest is None else float(probability[surest]),
     )

@@ -10,13 +10,14 @@ unit as in several.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import NamedTuple
 
 import attrs
 import numpy as np
 
 from ..core.array_namespace import slices
+from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, tree_leaves, tree_map
 from ..core.types import Bool, Float, Values
 from ..fluid.fields import interval_field
@@ -24,12 +25,7 @@ from ..muscle import Muscle
 from ..records.dynamometer import Scatter
 from .designs import Designs
 from .evaluation import MIXED, evaluate
-from .objectives import (
-    Limits,
-    check_objectives,
-    with_reach_limits,
-    within_limits,
-)
+from .objectives import Limits, check_objectives, with_reach_limits, within_limits
 from .task import Task
 
 
@@ -41,10 +37,8 @@ _THINNEST, _THICKEST = 0.05, 0.95  # of a drawn wall, over drawing and radius: s
 _LARGEST_SCATTER = 0.5  # of a wall or the model's error; more is a slip
 _BATCH = 2**20  # units of designs in all draws that are in memory together: some 100 megabytes
 
-
-_share_field = partial(
-    interval_field, low=0.0, high=_LARGEST_SCATTER, closed=(True, True), default=0.0
-)
+_both_closed = (True, True)
+_share = partial(interval_field, low=0.0, high=_LARGEST_SCATTER, closed=_both_closed, default=0.0)
 
 
 @attrs.frozen(slots=False)
@@ -53,8 +47,8 @@ class DesignScatter(Scatter):
     `braid_angle` [rad], and of the logarithm of all forces, `model_error` [-].
     """
 
-    wall_thickness: Values = _share_field("wall_thickness")
-    model_error: Values = _share_field("model_error")
+    wall_thickness: Values = _share("wall_thickness")
+    model_error: Values = _share("model_error")
 
 
 # of a task file without [scatter]; the docs (design, Uncertainty) say why
@@ -71,25 +65,15 @@ class Draws(NamedTuple):
 
 
 def sample_draws(scatter: Scatter, draws: int, seed: int = 0) -> Draws:
-    """Draw deviations of fabrication and model errors at random; they serve any design.
-
-    **Arguments:**
-
-    - `scatter`: standard deviations; `Scatter` has no wall and no model error.
-    - `draws`: number of draws [-].
-    - `seed`: random seed.
-
-    **Returns:** the draws.
+    """Draw deviations of fabrication and model errors at random; they serve any design. A plain
+    `Scatter` has no wall and no model error.
     """
     wall = getattr(scatter, "wall_thickness", 0.0)
     error = getattr(scatter, "model_error", 0.0)
     z = np.random.default_rng(seed).standard_normal((draws, 4)).T
-    return Draws(
-        1 + scatter.length * z[0],
-        np.maximum(1 + wall * z[2], _THINNEST),
-        scatter.braid_angle * z[3],
-        np.exp(error * z[1]),
-    )
+    thickness = np.maximum(1 + wall * z[2], _THINNEST)
+    angle = scatter.braid_angle * z[3]
+    return Draws(1 + scatter.length * z[0], thickness, angle, np.exp(error * z[1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,15 +116,13 @@ class Uncertainty:
     def assumptions(self) -> str:
         """Standard deviations in a line."""
         scatter = self.scatter
-        texts = [
-            f"{name} {100 * value:.3g} %"
-            for name, value in (("length", scatter.length), ("wall", scatter.wall_thickness))
-        ]
-        texts.append(f"braid angle {np.degrees(scatter.braid_angle):.3g}°")
-        texts.append(f"all forces {100 * scatter.model_error:.3g} % ({self.basis})")
-        if self.muscles is not None:
-            texts.append("constants by the calibration's covariance")
-        return ", ".join(texts)
+        text = (
+            f"length {100 * scatter.length:.3g} %, wall {100 * scatter.wall_thickness:.3g} %,"
+            f" braid angle {np.degrees(scatter.braid_angle):.3g}°,"
+            f" all forces {100 * scatter.model_error:.3g} % ({self.basis})"
+        )
+        covariance = ", constants by the calibration's covariance"
+        return text if self.muscles is None else text + covariance
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,8 +132,8 @@ class Safety:
     - `uncertainty`: what was drawn.
     - `probability`: share of the draws in which the recommended design, or the surest one, meets
       the task and all limits [-].
-    - `judged`: number of designs that were judged, `safe`: of those of them that hold; `complete`:
-      true if no other design can be on the front of the safe ones.
+    - `judged`: number of designs that were judged; `complete`: true if no other design can be on
+      the front of the safe ones.
     - `spread`: of the designs on the front.
     - `nearest_unsafe`: index of the surest recorded design that fails too often, or `None`, with
       its share of the draws in `nearest_share` [-].
@@ -160,16 +142,10 @@ class Safety:
     uncertainty: Uncertainty
     probability: float
     judged: int
-    safe: int
     complete: bool
     spread: Spread
     nearest_unsafe: int | None = None
     nearest_share: float = np.nan
-
-    @cached_property
-    def margin_quantiles(self) -> Float[np.ndarray, " design"]:
-        """5 % quantile of each reported design's relative margin over the draws [-]."""
-        return np.quantile(self.spread.values["relative_margin"], 0.05, axis=1)
 
     @property
     def holds(self) -> bool:
@@ -177,10 +153,9 @@ class Safety:
         return self.probability >= self.uncertainty.share
 
 
-def draw_designs(designs: Designs, draws: Draws) -> Designs:
+def _draw_designs(designs: Designs, draws: Draws) -> Designs:
     """Designs with the sizes of every draw: all draws of the first design first."""
-    number, copies = len(designs), np.repeat(np.arange(len(designs)), len(draws.length))
-    drawn = designs.take(copies)
+    number, drawn = len(designs), designs.take(np.repeat(np.arange(len(designs)), len(draws.wall)))
     length, wall, angle = (np.tile(x, number) for x in (draws.length, draws.wall, draws.angle))
     return replace(
         drawn,
@@ -229,34 +204,35 @@ def spread(
     values = {name: np.empty((len(designs), draws)) for name in names}
     for index in np.unique(muscle_of):
         (members,) = np.nonzero(muscle_of == index)
-        batch = Draws(*(x[members] for x in sample))
-        muscle_designs = (
-            designs if muscles is None else _calibrated_designs(designs, muscles, int(index))
-        )
-        step = max(1, _BATCH // (members.size * designs.counts.shape[1]))
+        batch, nominal = Draws(*(x[members] for x in sample)), designs
+        if muscles is not None:
+            nominal = _calibrated_designs(designs, muscles, int(index))
+        step = max(1, _BATCH // (len(members) * designs.counts.shape[1]))
         for block in slices(len(designs), step):
-            drawn = draw_designs(muscle_designs.take(block), batch)
+            drawn = _draw_designs(nominal.take(block), batch)
             factor = np.resize(batch.force, len(drawn))  # all draws of one design after another
             for name, row in evaluate(drawn, task, names, MIXED, factor).items():
-                values[name][block, members] = row.reshape(-1, members.size)
+                values[name][block, members] = row.reshape(-1, len(members))
     flat = {name: rows.ravel() for name, rows in values.items()}
     return Spread(values, within_limits(flat, limits).reshape(len(designs), draws))
 
 
 def _calibrated_designs(designs: Designs, muscles: Muscle, index: int) -> Designs:
     """Designs of the calibrated muscle with an `index`, all sizes changed in proportion to it."""
-    drawing = designs.single_drawing
+    if len(kinds := set(designs.kind.tolist())) != 1:
+        raise InvalidInputError("designs", "must be of one drawing", len(kinds))
+    drawing = list(designs.drawings.values())[kinds.pop()]
 
     def pick(leaf: Values, single: Values) -> Values:
         return leaf[index] if np.ndim(leaf) > np.ndim(single) else leaf
 
     muscle = tree_map(pick, muscles, drawing)
-    return Designs(
-        {"calibrated": muscle},
-        np.zeros(len(designs), int),
-        designs.counts,
-        designs.length * float(muscle.length / drawing.length),
-        designs.radius * float(muscle.outer_radius / drawing.outer_radius),
-        designs.wall * float(muscle.wall_thickness / drawing.wall_thickness),
-        designs.angle + float(muscle.braid_angle - drawing.braid_angle),
+    return replace(
+        designs,
+        drawings={"calibrated": muscle},
+        kind=np.zeros(len(designs), int),
+        length=designs.length * float(muscle.length / drawing.length),
+        radius=designs.radius * float(muscle.outer_radius / drawing.outer_radius),
+        wall=designs.wall * float(muscle.wall_thickness / drawing.wall_thickness),
+        angle=designs.angle + float(muscle.braid_angle - drawing.braid_angle),
     )

@@ -95,10 +95,9 @@ class Task:
             rule = "in m or `strain` must give the contraction"
             remedy = f"give one of them, got {'neither' if strain is None else 'both'}"
             raise InvalidInputError("stroke", rule, None, remedy)
-        if stroke is None:
-            name_of_travel, travel, largest, unit = "strain", strain, LARGEST_STRAIN, "-"
-        else:
-            name_of_travel, travel, largest, unit = "stroke", stroke, _LONGEST_STROKE, "m"
+        travel, name_of_travel, largest, unit = strain, "strain", LARGEST_STRAIN, "-"
+        if stroke is not None:
+            travel, name_of_travel, largest, unit = stroke, "stroke", _LONGEST_STROKE, "m"
         closed, weight = (True, True), 1.0 if weight is None else weight
         arrays = (
             check_interval(force, 0.0, _LARGEST_FORCE, "force", "N", closed=closed),
@@ -172,11 +171,6 @@ class Task:
         """
         return np.where(self.force > 0, self.force, self.force.max())
 
-    @property
-    def largest_strain(self) -> float:
-        """The largest contraction demanded [-]; NaN where it depends on the bundle's length."""
-        return float("nan") if self.strain is None else float(self.strain.max())
-
     def take(self, index: Any) -> "Task":
         """Task of the points with an `index` alone."""
         names = ("force", "strain", "weight", "stroke", "time")
@@ -187,55 +181,41 @@ class Task:
         return self.force.size
 
 
-_MADE_UP = "made up, no measurement"  # source of the examples' figures
-
-
-def sit_to_stand_knee(supply_pressure: float = 413.7e3) -> Task:
-    """A knee that rises from a seat, supply in Pa: least force when the leg is straight."""
+def _sit_to_stand_knee() -> dict[str, np.ndarray]:
+    """A knee that rises from a seat: least force when the leg is straight."""
     time = np.linspace(0.0, 1.5, 16)  # s
     done = np.sin(0.5 * np.pi * time / time[-1]) ** 2  # share of the path
-    force = 80.0 + 420.0 * (1 - done) ** 1.5
-    return _in_time("sit_to_stand_knee", time, force, 0.02 + 0.16 * done, supply_pressure)
+    return {"time": time, "force": 80.0 + 420.0 * (1 - done) ** 1.5, "strain": 0.02 + 0.16 * done}
 
 
-def pick_and_place_arm(supply_pressure: float = 413.7e3) -> Task:
-    """An arm that lifts loads of three sizes to three heights, mostly small ones; supply in Pa."""
+def _pick_and_place_arm() -> dict[str, np.ndarray]:
+    """An arm that lifts loads of three sizes to three heights, mostly small ones."""
     force = np.repeat([60.0, 150.0, 280.0], 3)
     strain = np.tile([0.06, 0.11, 0.16], 3) - np.repeat([0.0, 0.01, 0.03], 3)
-    weight = np.repeat([6.0, 3.0, 1.0], 3)
-    name, source = "pick_and_place_arm", _MADE_UP
-    return Task.of(force, strain, supply_pressure, weight, name=name, source=source)
+    return {"force": force, "strain": strain, "weight": np.repeat([6.0, 3.0, 1.0], 3)}
 
 
-def walking_ankle(supply_pressure: float = 413.7e3) -> Task:
-    """An ankle over one stride, supply in Pa: the load builds up, pushes off, the foot swings."""
+def _walking_ankle() -> dict[str, np.ndarray]:
+    """An ankle over one stride: the load builds up, pushes off, the foot swings."""
     time = np.linspace(0.0, 1.1, 23)  # s
     s = time / time[-1]
     force = 20.0 + 430.0 * np.exp(-(((s - 0.48) / 0.12) ** 2)) + 60.0 * np.exp(-((s / 0.2) ** 2))
     strain = 0.03 + 0.11 / (1 + np.exp(-(s - 0.55) / 0.035)) * np.exp(-(((s - 0.6) / 0.3) ** 2))
-    return _in_time("walking_ankle", time, force, strain, supply_pressure)
+    return {"time": time, "force": force, "strain": strain}
 
 
 TASKS = {
-    "sit_to_stand_knee": sit_to_stand_knee,
-    "pick_and_place_arm": pick_and_place_arm,
-    "walking_ankle": walking_ankle,
+    "sit_to_stand_knee": _sit_to_stand_knee,
+    "pick_and_place_arm": _pick_and_place_arm,
+    "walking_ankle": _walking_ankle,
 }
 
 
 def example_task(name: str, supply_pressure: float = 413.7e3) -> Task:
-    """Named task of `TASKS`, with made-up figures.
-
-    **Arguments:**
-
-    - `name`: a key of `TASKS`; `ValueError` for another, with the nearest.
-    - `supply_pressure`: the supply's [Pa].
+    """Task of `TASKS` with a `name`, with made-up figures, at a supply pressure [Pa]; `ValueError`
+    for another name, with the nearest.
     """
-    return TASKS[check_choice(name, TASKS, "example")](supply_pressure)
-
-
-def _in_time(
-    name: str, time: np.ndarray, force: np.ndarray, strain: np.ndarray, supply_pressure: float
-) -> Task:
-    """Example task in time, with made-up figures."""
-    return Task.in_time(time, force, strain, supply_pressure, name=name, source=_MADE_UP)
+    figures = TASKS[check_choice(name, TASKS, "example")]()
+    make = Task.in_time if "time" in figures else Task.of
+    source = "made up, no measurement"
+    return make(**figures, supply_pressure=supply_pressure, name=name, source=source)

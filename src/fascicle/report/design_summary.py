@@ -102,7 +102,7 @@ def headline(answer: Answer) -> list[str]:
         return [words(answer.findings[0], answer), _nearest_text(answer, sizes)]
     lines = [f"Take design {(result.recommended or 0) + 1}: {sizes}."]
     if (safety := result.safety) is not None:
-        low = float(safety.margin_quantiles[result.recommended])
+        low = np.quantile(safety.spread.values["relative_margin"][result.recommended], 0.05)
         lines.append(
             f"safety: holds in {percent(safety.probability)} of {safety.uncertainty.draws} draws of"
             f" scatter ({percent(safety.uncertainty.share)} needed); margin"

@@ -9,7 +9,7 @@ from fascicle.design.task import TASKS
 def test_points_in_time_have_their_duration_as_weight():
     task = Task.in_time([0.0, 1.0, 3.0], [10.0, 20.0, 5.0], [0.0, 0.1, 0.2], 4e5)
     assert_allclose(task.weight, [0.5, 1.5, 1.0])
-    assert task.largest_strain == 0.2 and len(task) == 3
+    assert task.strain.max() == 0.2 and len(task) == 3
 
 
 @pytest.mark.parametrize("name", TASKS)
@@ -17,7 +17,7 @@ def test_examples_have_made_up_as_source(name):
     task = example_task(name, 3e5)
     assert task.supply_pressure == 3e5 and task.name == name
     assert "made up" in task.source
-    assert np.all(task.force > 0) and np.all(task.strain >= 0) and task.largest_strain < 0.2
+    assert np.all(task.force > 0) and np.all(task.strain >= 0) and task.strain.max() < 0.2
 
 
 @pytest.mark.parametrize(
