@@ -2,7 +2,6 @@
 
 import math
 
-import jax.numpy as jnp
 import numpy as np
 import oracle_design as oracle
 import pytest
@@ -91,7 +90,7 @@ def expected(design, supply, task, resolution, scheme="orderly"):
 
 
 def _packed(radii):
-    return float(packed_radius(jnp.asarray(radii), jnp.ones(len(radii), int)))
+    return float(packed_radius(np.asarray(radii), np.ones(len(radii), int)))
 
 
 def compare(design, supply, task, alike, resolution, scheme="orderly", by_stroke=False):

@@ -22,7 +22,7 @@ from .exhaustive_search import SearchResult
 from .objectives import SHARES, Limit, Limits, other_limits, within_limits
 from .scatter import Uncertainty, spread
 from .space import Product
-from .summary import Splits, Summary, best_splits, summarize_result
+from .summary import Splits, Summary, best_splits, summarize
 from .task import Task
 
 
@@ -57,28 +57,24 @@ class Remedy:
 
 
 def remedies(
-    designs: Designs,
-    index: int,
+    design: Designs,
     task: Task,
     limits: Limits,
     product: Product | None = None,
     uncertainty: Uncertainty | None = None,
 ) -> list[Remedy]:
-    """Changes by which a design would hold its task, one for each quantity, enough or not.
+    """Changes by which a single design would hold its task, one for each quantity, each by itself,
+    enough or not.
 
     **Arguments:**
 
-    - `designs`: with the design among them.
-    - `index`: of the design.
+    - `design`: the design.
     - `task`: what is demanded.
     - `limits`: on objectives, by name [SI], as of `with_reach_limits`.
     - `product`: that its muscles are sold as, if they are: only number, pressure and length can be
       changed then.
     - `uncertainty`: by which it is judged; `None`: as drawn.
-
-    **Returns:** the changes, each by itself.
     """
-    design = designs.take(np.array([index]))
     design = design.take(np.array([0]), int(design.units[0]))
     highest = HIGHEST_PRESSURE
     if product is not None and product.largest_pressure is not None:
@@ -90,8 +86,10 @@ def remedies(
         ends["length"] = _LONGEST
     pressures = np.asarray(design.drawing(0).tuning.pressures)
     measured = float(pressures.max()) if pressures.size > 1 else np.inf
-    found = [_smallest_change(design, task, *end, limits, uncertainty) for end in ends.items()]
-    return [replace(remedy, measured=measured) for remedy in found]
+    return [
+        replace(_smallest_change(design, task, *end, limits, uncertainty), measured=measured)
+        for end in ends.items()
+    ]
 
 
 def _present_values(design: Designs, task: Task) -> dict[str, float]:
@@ -203,16 +201,16 @@ def answer_search(result: SearchResult) -> Answer:
     """Answer to a search that evaluated at least one design."""
     index = result.nearest if result.best is None else result.best
     assert index is not None
-    summary = summarize_result(result, index)
-    design, run = result.all_designs(np.array([index])), None
+    design, run, task = result.all_designs(np.array([index])), None, result.task
+    diameter = float(result.values["envelope"][index]) if "envelope" in result.values else None
+    summary = summarize(design, 0, task, result.catalog, diameter, result.cycle)
     changes: list[Remedy] = []
     if result.best is None:
         if result.safety is not None or not result.reaches_task[index]:
             judged = result.safety and result.safety.uncertainty
-            limits, product = result.limits, summary.product
-            changes = remedies(design, 0, result.task, limits, product, judged)
+            changes = remedies(design, task, result.limits, summary.product, judged)
     elif (sizing := summary.sizing) and sizing.feasible and sizing.run_case is not None:
-        case, task = sizing.run_case, result.task
+        case = sizing.run_case
         stroke = float(task.stroke_of(summary.cases.length)[case])
         try:
             run = run_cycle(design.bundle(0, task), float(task.force[case]), stroke, sizing)
@@ -221,14 +219,13 @@ def answer_search(result: SearchResult) -> Answer:
                 raise
     return Answer(
         *(result, index, summary, best_splits(result, index), changes, run),
-        _robustness(design, result.task),
+        _robustness(design, task),
         _findings(result, summary, run),
     )
 
 
 def _robustness(design: Designs, task: Task) -> dict[str, float]:
     """Least relative margin [-] of a design where something is worse, by name."""
-    name = "relative_margin"
     variants = {"weaker": (design, task, 0.9)}
     if task.supply_pressure > _LESS_PRESSURE:
         lower = replace(task, supply_pressure=task.supply_pressure - _LESS_PRESSURE)
@@ -239,10 +236,11 @@ def _robustness(design: Designs, task: Task) -> dict[str, float]:
         order = np.argsort(counts[0] == 0, kind="stable")  # zeros last
         sizes = {n: getattr(design, n)[:, order] for n in ("radius", "wall", "angle")}
         variants["failure"] = (replace(design, counts=counts[:, order], **sizes), task, 1.0)
-    return {
-        key: float(evaluate(variant, changed, [name], force_factor=factor)[name][0])
-        for key, (variant, changed, factor) in variants.items()
-    }
+    margins = {}
+    for key, (variant, changed, factor) in variants.items():
+        values = evaluate(variant, changed, ["relative_margin"], force_factor=factor)
+        margins[key] = float(values["relative_margin"][0])
+    return margins
 
 
 def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> list[Finding]:

@@ -21,7 +21,6 @@ demanded force hangs on the bundle and rests on a stop at no contraction. It swi
 valves slows it down.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -39,11 +38,11 @@ from ..fluid.data_sheets import CatalogValve, catalog_valves
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import REFERENCE_DENSITY, Line, SonicValve
 from .designs import Designs
-from .task import Task
 
 
 if TYPE_CHECKING:
     from ..dynamics import Measurement
+    from .summary import Cases
 
 ATMOSPHERE = 100e3  # Pa, of ISO 8778
 USUAL_RATIO = 0.3  # b of a valve: those of the catalog have 0.13 to 0.40
@@ -150,14 +149,12 @@ def _volume(line: Line | None) -> float:
 
 class _Contraction(NamedTuple):
     """Contraction of a design from rest to each load case: `pressure` [Pa] and `volume` [m³] of its
-    units, nodes first, then cases, then units; `supply`: the supply's pressure [Pa]; `start`: the
-    share of the pressures that balances each load at rest [-].
+    units, nodes first, then cases, then units; `supply`: the supply's pressure [Pa].
     """
 
     pressure: np.ndarray
     volume: np.ndarray
     supply: float
-    start: np.ndarray
 
     def times(self, supply: SonicValve, exhaust: SonicValve) -> tuple[np.ndarray, np.ndarray]:
         """Times to fill and to vent each unit in each case [s], with the hose of `supply`."""
@@ -178,62 +175,23 @@ class _Contraction(NamedTuple):
         return np.maximum(fill / cycle.lift, vent / cycle.release)
 
 
-def first_level(
-    force: Float[np.ndarray, "point level"],
-    demanded: Float[np.ndarray, " point"],
-    level: Float[np.ndarray, " level"],
-) -> Float[np.ndarray, " point"]:
-    """The lowest level [-] at which a force [N] over levels is the `demanded` one [N], linear
-    between two; else 1. `level`: rising, from 0 to 1 [-].
+def size_valves(design: Designs, load_cases: "Cases", cycle: Cycle) -> ValveSizing | None:
+    """Valves and hoses with which a single design does the load cases that it reaches within the
+    times of a `cycle`; `None` if it reaches none. Of more than 64 load cases, those that take most
+    fluid and those with the least margin are run.
     """
-    excess = force - demanded[:, None]
-    # from below or from above: a state that resists may fall before it rises
-    crosses = (excess[:, :-1] * excess[:, 1:] <= 0) & (excess[:, 1:] != excess[:, :-1])
-    first, points = np.argmax(crosses, axis=1), np.arange(len(force))
-    before, after = excess[points, first], excess[points, first + 1]
-    drop = np.where(after == before, 1.0, after - before)
-    fraction = np.clip(-before / drop, 0.0, 1.0)
-    crossing = level[first] + fraction * (level[first + 1] - level[first])
-    # without a crossing it is within the tolerance of a state's end
-    return np.where(np.any(crosses, axis=1), crossing, 1.0)
-
-
-def size_valves(
-    designs: Designs,
-    index: int,
-    task: Task,
-    cycle: Cycle,
-    pressures: Float[np.ndarray, "case unit"],
-    fluid: Float[np.ndarray, " case"],
-    margin: Float[np.ndarray, " case"],
-) -> ValveSizing | None:
-    """Valves and hoses with which a design does the load cases that it reaches within the times of
-    a cycle; `None` if it reaches none.
-
-    **Arguments:**
-
-    - `designs`: with the design among them.
-    - `index`: of the design.
-    - `task`: what is demanded.
-    - `cycle`: the times, and the hoses.
-    - `pressures`: of the units in each load case [Pa].
-    - `fluid`: that each takes [m³].
-    - `margin`: relative margin of each [-]; negative for one that isn't reached.
-
-    **Returns:** the sizing, or `None`. Of more than 64 load cases, those that take most fluid and
-    those with the least margin are run.
-    """
-    (successes,) = np.nonzero((margin >= 0) & (pressures > 0).any(axis=1))
+    task, length = load_cases.task, load_cases.length
+    (successes,) = np.nonzero(load_cases.reached & (load_cases.pressures > 0).any(axis=1))
     if not successes.size:
         return None
-    hardest = [successes[np.argsort(key[successes])[:_CASES]] for key in (-fluid, margin)]
-    cases = np.unique(np.concatenate(hardest))
-    filled = pressures[cases] > 0
-    contraction = _contraction(designs, index, task, cases, pressures[cases])
+    keys = (-load_cases.fluid, np.maximum(load_cases.relative, 0.0))
+    cases = np.unique(np.concatenate([successes[np.argsort(x[successes])[:_CASES]] for x in keys]))
+    pressures = load_cases.pressures[cases]
+    filled, strain, F = pressures > 0, task.strain_of(length)[cases], task.force[cases]
+    contraction, start = _contraction(design, strain, F, pressures, task.supply_pressure)
     C, line = _conductances(contraction, cycle, filled)
     case, unit = np.unravel_index(np.argmax(C), C.shape)
-    needed = C.max(axis=0)
-    works = (task.force * task.strain_of(float(designs.length[index])))[cases] > 0
+    needed, works = C.max(axis=0), F * strain > 0
     run = int(np.argmax(np.where(works, C.max(axis=1), -1.0)))
     fill = vent = np.inf
     valves: list[CatalogValve | None] = [None] * len(needed)
@@ -241,44 +199,50 @@ def size_valves(
         valve = SonicValve(np.where(needed > 0, needed, needed.max()), cycle.b, line=line)
         fill, vent = (float(t[case, unit]) for t in contraction.times(valve, valve))
         for candidate in reversed(catalog_valves()):
-            supply, exhaust = (with_fields(valve, line=line) for valve in candidate[1:3])
-            share = contraction.share_of_time(cycle, supply, exhaust)
-            enough = np.all(~filled | (share <= 1), axis=0)
+            ends = (with_fields(valve, line=line) for valve in candidate[1:3])
+            enough = np.all(~filled | (contraction.share_of_time(cycle, *ends) <= 1), axis=0)
             valves = [candidate if ok else v for ok, v in zip(enough, valves, strict=True)]
-    run_case = int(cases[run]) if works.any() else None
     return ValveSizing(
-        *(cycle, int(cases[case]), run_case, pressures[cases[run]]),
-        *(float(contraction.start[run]), needed, fill, vent, line),
-        tuple(valves),
+        *(cycle, int(cases[case]), int(cases[run]) if works.any() else None, pressures[run]),
+        *(float(start[run]), needed, fill, vent, line, tuple(valves)),
     )
 
 
 def _contraction(
-    designs: Designs, index: int, task: Task, cases: np.ndarray, pressures: np.ndarray
-) -> _Contraction:
-    """Contraction of a design up to some load `cases`, to whose `pressures` [Pa] units rise in
-    proportion.
+    design: Designs, strain: np.ndarray, force: np.ndarray, pressures: np.ndarray, supply: float
+) -> tuple[_Contraction, np.ndarray]:
+    """Contraction of a single design up to load cases, to whose `pressures` [Pa] units rise in
+    proportion, and the share of these that balances each load at rest [-].
     """
-    counts = designs.counts[index][designs.counts[index] > 0]
-    length, F = float(designs.length[index]), task.force[cases]
-    strain = np.linspace(0.0, 1.0, _STEPS + 1)[:, None] * task.strain_of(length)[cases]
-    level = np.linspace(0.0, 1.0, _LEVELS)
-    total, volumes = np.zeros((_LEVELS, *strain.shape)), []
-    for unit, n in enumerate(counts):
-        muscle = designs.muscle(index, unit)
-        total += n * np.asarray(muscle.force(level[:, None, None] * pressures[:, unit], strain))
-        volumes.append(n * np.asarray(muscle.volume(strain)))
-    total = np.moveaxis(total, 0, -1).reshape(-1, _LEVELS)
-    demanded = np.broadcast_to(F, strain.shape).ravel()
-    share = first_level(total, demanded, level).reshape(strain.shape)
+    progress, level = np.linspace(0.0, 1.0, _STEPS + 1)[:, None], np.linspace(0.0, 1.0, _LEVELS)
+    path = progress * strain
+    total, volumes = np.zeros((_LEVELS, *path.shape)), []
+    for unit in range(pressures.shape[1]):
+        muscle, n = design.muscle(0, unit), design.counts[0, unit]
+        total += n * np.asarray(muscle.force(level[:, None, None] * pressures[:, unit], path))
+        volumes.append(n * np.asarray(muscle.volume(path)))
     # a load that is held at less pressure further on is let go at the pressure before
-    share = np.maximum.accumulate(share, axis=0)
-    ramp = np.linspace(0.0, 1.0, _STEPS + 1)[:-1, None] * share[:1]  # before the load is lifted
-    volume = np.stack(volumes, axis=-1)
-    volume_at_rest = np.broadcast_to(volume[:1], (_STEPS, *volume.shape[1:]))
+    share = np.maximum.accumulate(_first_level(total - force, level), axis=0)
+    ramp, volume = progress[:-1] * share[:1], np.stack(volumes, axis=-1)  # before it is lifted
     pressure = np.concatenate([ramp, share])[..., None] * pressures
-    volume = np.concatenate([volume_at_rest, volume])
-    return _Contraction(pressure, volume, float(task.supply_pressure), share[0])
+    volume = np.concatenate([np.repeat(volume[:1], _STEPS, axis=0), volume])
+    return _Contraction(pressure, volume, supply), share[0]
+
+
+def _first_level(excess: np.ndarray, level: np.ndarray) -> np.ndarray:
+    """The lowest level [-] at which the excess of a force over a load [N], levels first, vanishes,
+    linear between two; else 1. `level`: rising, from 0 to 1 [-].
+    """
+    before, after = excess[:-1], excess[1:]
+    # from below or from above: a state that resists may fall before it rises
+    crosses = (before * after <= 0) & (after != before)
+    first = np.argmax(crosses, axis=0)
+    before, after = (np.take_along_axis(x, first[None], axis=0)[0] for x in (before, after))
+    drop = np.where(after == before, 1.0, after - before)
+    fraction = np.clip(-before / drop, 0.0, 1.0)
+    crossing = level[first] + fraction * (level[first + 1] - level[first])
+    # without a crossing it is within the tolerance of a state's end
+    return np.where(crosses.any(axis=0), crossing, 1.0)
 
 
 def _conductances(
@@ -293,22 +257,22 @@ def _conductances(
     valve_conductance = np.where(filled, 1e-8 * share, 0.0)
     if cycle.hose_length is None:
         return valve_conductance, None
+
+    def is_enough(C: np.ndarray, line: Line) -> np.ndarray:
+        # a unit that stays empty takes no time, so any conductance will do
+        valve = SonicValve(np.where(filled, C, 1e-8), cycle.b, line=line)
+        return ~filled | (contraction.share_of_time(cycle, valve, valve) <= 1)
+
     for bore in _BORES:
         line = Line(cycle.hose_length, float(bore))
         # a conductance half the hose's must be enough, and one without hose isn't too much
         low = valve_conductance
         high = np.broadcast_to(line.conductance / _HOSE_SHARE, low.shape)
-
-        def is_enough(C: np.ndarray, line: Line = line) -> np.ndarray:
-            # a unit that stays empty has no time below, so any conductance will do
-            valve = SonicValve(np.where(filled, C, 1e-8), cycle.b, line=line)
-            return ~filled | (contraction.share_of_time(cycle, valve, valve) <= 1)
-
-        if np.any(low > high) or not np.all(is_enough(high)):
+        if np.any(low > high) or not np.all(is_enough(high, line)):
             continue
         for _ in range(_HALVINGS):
             middle = (low + high) / 2
-            enough = is_enough(middle)
+            enough = is_enough(middle, line)
             low, high = np.where(enough, low, middle), np.where(enough, middle, high)
         return np.where(filled, high, 0.0), line
     return np.where(filled, np.inf, 0.0), None
@@ -368,35 +332,23 @@ class _RegulatedLift(Module):
 
 
 def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) -> CycleRun:
-    """Times in which a bundle lifts and releases a hanging mass, and how far it swings, from a
-    simulation with the named valves and the printed pressures.
-
-    **Arguments:**
-
-    - `bundle`: with its supply pressure.
-    - `force`: weight of the mass [N], positive.
-    - `stroke`: contraction that the pressures hold [m], positive.
-    - `sizing`: valves and hoses, which must be feasible.
-
-    **Returns:** the times and positions; NaN for a time that isn't reached.
-
-    **Raises:** `ValueError` for a load that the bundle can't hold at rest.
+    """Times in which a bundle lifts and releases a hanging mass of weight `force` [N] by a `stroke`
+    [m], and how far it swings, from a simulation with the valves and pressures of a feasible
+    `sizing`; NaN for a time that isn't reached. `ValueError` for a load that can't be held at rest.
     """
     from ..dynamics import HangingMass, Plant, Stop, simulate  # needs JAX
     from ..dynamics.loads import GRAVITY
 
     cycle = sizing.cycle
     needed = np.where(sizing.conductance > 0, sizing.conductance, sizing.conductance.max())
-
-    def together(valves: Iterable[SonicValve]) -> SonicValve:
-        C, b = zip(*((float(valve.C), float(valve.b)) for valve in valves), strict=True)
-        return SonicValve(np.array(C), np.array(b), line=sizing.line)
-
-    pairs = [
-        (SonicValve(C, cycle.b),) * 2 if valve is None else (valve.supply, valve.exhaust)
+    # C and b of each unit's valve to the supply, and of that to the room
+    ends = [
+        [(C, cycle.b)] * 2 if valve is None else [(x.C, x.b) for x in (valve.supply, valve.exhaust)]
         for C, valve in zip(needed, sizing.valves, strict=True)
     ]
-    supply_valve, exhaust_valve = map(together, zip(*pairs, strict=True))
+    supply_valve, exhaust_valve = (
+        SonicValve(C, b, line=sizing.line) for C, b in np.transpose(ends, (1, 2, 0))
+    )
     supply = resolve_supply_pressure(bundle, None)
     mass, stiffness = force / GRAVITY, force / (_SAG * stroke)
     # critical where the load sags to, so that it doesn't bounce: the damper acts by depth, (T2)
@@ -415,8 +367,8 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
     # of an open valve [Pa/s]: it throttles from so far on that a step doesn't overshoot the target
     rate = np.asarray(supply_valve.C) * (supply + ATMOSPHERE) * ATMOSPHERE
     band = np.maximum(_THROTTLING * supply, 2 * dt * rate / (volume + sizing.hose_volume))
-    share, lift = np.float64(sizing.start), np.float64(cycle.lift)
-    controller = _RegulatedLift(sizing.pressures, share, lift, np.float64(end), band)
+    start, rise = np.float64(sizing.start), np.float64(cycle.lift)
+    controller = _RegulatedLift(sizing.pressures, start, rise, np.float64(end), band)
     steps = round((end + 2 * cycle.release) / dt)
     run = simulate(plant, controller, np.zeros((steps, 1)), dt=dt)
     position, time = np.asarray(run.outputs.position), np.asarray(run.time)

@@ -166,7 +166,7 @@ class Designs:
             for unit, n in enumerate(self.counts[index])
             if n
         ]
-        return Bundle(units, *((task.supply_pressure, task.scheme) if task else ()))
+        return Bundle(units, task.supply_pressure, task.scheme) if task else Bundle(units)
 
 
 def scaled_designs(

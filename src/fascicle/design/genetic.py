@@ -110,9 +110,10 @@ def evolve(
 ) -> SearchResult:
     """Search a space by NSGA-II, an evolutionary algorithm.
 
-    **Arguments:** as of `search`, and
+    **Arguments:**
 
     - `space`: of one drawing, with all compositions.
+    - `task`, `senses`, `limits`, `extra`, `catalog`, `least_margin`: as of `search` [SI].
     - `population`: designs in a generation [-].
     - `generations`: their number [-].
     - `seed`: random seed.

@@ -75,9 +75,10 @@ class ForceTable(NamedTuple):
         """The table of the muscles with an `index` on the last axis, forces `factor` times as large
         [-].
         """
-        table = ForceTable(*(None if x is None else x[..., index] for x in self))
-        names = ("vented", "full", "levels", "blocked")
-        return table._replace(**{name: factor * getattr(table, name) for name in names})
+        forces = (self.vented, self.full, self.levels, self.blocked)
+        vented, full, levels, blocked = (factor * x[..., index] for x in forces)
+        radius, bulge = (x if x is None else x[..., index] for x in (self.radius, self.bulge))
+        return ForceTable(vented, full, levels, self.volume[..., index], blocked, radius, bulge)
 
 
 class Outcome(NamedTuple):

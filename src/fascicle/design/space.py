@@ -50,6 +50,8 @@ SPLITS = ("all", "partitions")
 RADIUS_RULES = ("each", "cross_section", "packing")
 
 Counts = Int[np.ndarray, "design unit"]
+PerUnit = Float[np.ndarray, "design unit"]
+PerDesign = Float[np.ndarray, " design"]
 Floats = tuple[float, ...]
 
 
@@ -63,47 +65,39 @@ def compositions(muscles: int, most_units: int | None = None) -> Counts:
 
     **Returns:** muscles in each unit [-], a row each, zeros last; the undivided one first.
 
-    **Raises:** `ValueError` for a number out of range, and for more than 2 000 000 compositions.
+    **Raises:** `ValueError` for a number out of range, and for more than 2 000 000 splits.
     """
     check_splits((muscles,), "all", most_units)
 
     @cache
-    def padded_compositions(total: int, units: int) -> Counts:
-        """Compositions of `total` into at most so many `units`, a row each, zeros last."""
+    def rows(total: int, units: int) -> Counts:
+        """Compositions of `total` into at most so many `units`."""
         if total == 0:
             return np.zeros((1, units), int)
         blocks = [np.zeros((0, units), int)]
         for first in range(total, 0, -1) if units else ():
-            tails = padded_compositions(total - first, units - 1)
-            blocks.append(np.column_stack([np.full(len(tails), first), tails]))
+            later = rows(total - first, units - 1)
+            blocks.append(np.column_stack([np.full(len(later), first), later]))
         return np.concatenate(blocks)
 
-    return padded_compositions(muscles, _width(muscles, most_units))
+    return rows(muscles, _width(muscles, most_units))
 
 
 def partitions(muscles: int, most_units: int | None = None) -> Counts:
-    """All splits of a number of muscles into motor units without an order, smallest unit first.
-
-    **Arguments:**
-
-    - `muscles`: their number [-], 1 to 100.
-    - `most_units`: largest number of motor units [-]; default: any.
-
-    **Returns:** muscles in each unit [-], a row each, zeros last; the undivided one first.
-
-    **Raises:** `ValueError` for a number out of range, and for more than 2 000 000 partitions.
+    """All splits of a number of muscles without an order, smallest unit first; else as
+    `compositions`.
     """
     check_splits((muscles,), "partitions", most_units)
 
-    def ascending_parts(total: int, most_units: int, smallest: int) -> Iterator[tuple[int, ...]]:
-        """Partitions of `total` into `most_units` parts at most, ascending from `smallest`."""
+    def rows(total: int, units: int, smallest: int) -> Iterator[tuple[int, ...]]:
+        """Partitions of `total` into at most so many `units`, ascending from `smallest`."""
         yield (total,)
-        for first in range(total // 2, smallest - 1, -1) if most_units > 1 else ():
-            for tail in ascending_parts(total - first, most_units - 1, first):
-                yield first, *tail
+        for first in range(total // 2, smallest - 1, -1) if units > 1 else ():
+            for later in rows(total - first, units - 1, first):
+                yield first, *later
 
     width = _width(muscles, most_units)
-    return pad_rows(list(ascending_parts(muscles, width, 1)), width)
+    return pad_rows(list(rows(muscles, width, 1)), width)
 
 
 def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -> int:
@@ -131,30 +125,25 @@ def check_splits(numbers: Iterable[int], splits: str, most_units: int | None = N
             rule, remedy = f"must lie in [1, {MAX_MUSCLES}]", "of more, list splits, as '10+50+90'"
             raise InvalidInputError("muscles", rule, number, remedy)
 
-    def total_splits(kind: str, most_units: int | None) -> int:
-        """Number of splits of all `numbers` together; `kind`: "all" or "partitions"."""
-        return sum(number_of_splits(number, kind, most_units) for number in numbers)
+    def total(kind: str, units: int | None) -> int:
+        return sum(number_of_splits(number, kind, units) for number in numbers)
 
-    total = total_splits(splits, most_units)
-    if total <= MAX_SPLITS:
+    if total(splits, most_units) <= MAX_SPLITS:
         return
-    remedies = []
-    for units in range(max(numbers) if most_units is None else most_units, 0, -1):
-        if (fewer := total_splits(splits, units)) <= MAX_SPLITS:
-            remedies.append(f"{units} motor units at most leave {fewer} ([limits] valves)")
-            break
-    if splits == "all" and (fewer := total_splits("partitions", most_units)) <= MAX_SPLITS:
-        remedies.append(f"splits = 'partitions' leaves {fewer}")
-    rule = f"lead to {total} splits, more than {MAX_SPLITS}"
-    remedy = ", ".join([*remedies, "or list some splits"])
-    raise InvalidInputError("muscles", rule, None, remedy)
+    fewer = range(most_units or max(numbers), 0, -1)
+    units = next((units for units in fewer if total(splits, units) <= MAX_SPLITS), None)
+    remedies = ["or list some splits"]
+    if splits == "all" and (left := total("partitions", most_units)) <= MAX_SPLITS:
+        remedies.insert(0, f"splits = 'partitions' leaves {left}")
+    if units is not None:
+        left = total(splits, units)
+        remedies.insert(0, f"{units} motor units at most leave {left} ([limits] valves)")
+    rule = f"lead to {total(splits, most_units)} splits, more than {MAX_SPLITS}"
+    raise InvalidInputError("muscles", rule, None, ", ".join(remedies))
 
 
 def read_split(text: str) -> tuple[int, ...]:
-    """Muscles in each unit [-] of a composition as it is written, `1+4`.
-
-    **Raises:** `ValueError` for any other `text`.
-    """
+    """Muscles in each unit [-] of a composition as it is written, `1+4`; else `ValueError`."""
     if not re.fullmatch(r"\s*[1-9]\d{0,3}(\s*\+\s*[1-9]\d{0,3})*\s*", text, re.ASCII):
         rule = "must be written like '1+4', whole numbers and plus signs"
         raise InvalidInputError("splits", rule, text)
@@ -198,16 +187,15 @@ class Space:
         if self.radius_rule != "each" and not self.radius:
             rule = f"must be given with the rule {self.radius_rule!r}, in m"
             raise InvalidInputError("radius", rule, None)
-        for name, unit, high in (
+        for name, unit, largest in (
             ("radius", "m", RANGES["radius"].largest),
             ("length", "m", RANGES["length"].largest),
             ("wall_ratio", "-", 1.0),
             ("unit_factors", "-", _LARGEST_FACTOR),
         ):
-            if values := getattr(self, name):
-                values = check_interval(values, 0.0, high, name, unit)
-                if name in RANGES:
-                    check_plausible(values, name)
+            values = check_interval(getattr(self, name), 0.0, largest, name, unit)
+            if name in RANGES:
+                check_plausible(values, name)
         angles, largest = np.degrees(self.braid_angle), math.degrees(NEUTRAL_ANGLE)
         check_interval(angles, 0.0, largest, "braid_angle", "deg")
         if isinstance(self.splits, str):
@@ -217,9 +205,8 @@ class Space:
                 raise InvalidInputError("muscles", rule, None, shown="none")
             check_splits(dict.fromkeys(self.muscles), self.splits, self.most_units)
         if not len(self._units_and_scales[0]):
-            raise ValueError(
-                f"the space is empty: no split has {self.most_units} motor units or fewer."
-            )
+            rule = f"the space is empty: no split has {self.most_units} motor units or fewer."
+            raise ValueError(rule)
 
     def __getstate__(self) -> dict:
         # without cached properties, which can be a thousand times larger. Drawings as NumPy's:
@@ -231,30 +218,16 @@ class Space:
         return math.prod(map(len, self._grid)) * len(self._units_and_scales[0])
 
     def at(self, index: Int[np.ndarray, " design"]) -> Designs:
-        """Designs of the space with an index.
-
-        **Arguments:** `index`: from 0 to the space's length.
-
-        **Returns:** the designs.
-        """
+        """Designs of the space with an `index` from 0 to its length."""
         counts, factor, scale = self._units_and_scales
         grid, shape = np.divmod(index, len(counts))
         kind, *columns = np.unravel_index(grid, tuple(map(len, self._grid)))
         defaults = np.array([drawing_sizes(drawing) for drawing in self.drawings.values()])[kind]
-        sizes = np.stack(
-            [np.asarray(x, float)[i] for x, i in zip(self._grid[1:], columns, strict=True)], axis=1
-        )
+        columns = zip(self._grid[1:], columns, strict=True)
+        sizes = np.stack([np.asarray(values, float)[i] for values, i in columns], axis=1)
         length, radius, ratio, angle = np.where(np.isnan(sizes), defaults, sizes).T
-        return scaled_designs(
-            self.drawings,
-            np.asarray(kind),
-            counts[shape],
-            factor[shape],
-            length,
-            radius * scale[shape],
-            ratio,
-            angle,
-        )
+        radius, shapes = radius * scale[shape], (counts[shape], factor[shape])
+        return scaled_designs(self.drawings, kind, *shapes, length, radius, ratio, angle)
 
     def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
         """Index in `drawings` of each design's drawing; an `index` of -1, a design off the grid,
@@ -262,15 +235,10 @@ class Space:
         """
         return np.maximum(index, 0) // (len(self) // len(self.drawings))
 
-    def scale(
-        self, counts: Int[np.ndarray, "design unit"], factor: Float[np.ndarray, "design unit"]
-    ) -> Float[np.ndarray, " design"]:
+    def scale(self, counts: Counts, factor: PerUnit) -> PerDesign:
         """Factor from the value listed in `radius` to the radius of a muscle with a unit factor of
-        1 [-], by `radius_rule`, for each design.
-
-        The listed value is that muscle's own radius ("each", ratio 1), that of one muscle with the
-        cross-section of all ("cross_section"), or the diameter of the circle around all
-        ("packing"). `counts`: muscles in each unit; `factor`: of each unit's radius [-].
+        1 [-], by `radius_rule`, for each design. `counts`: muscles in each unit; `factor`: of each
+        unit's radius [-].
         """
         if self.radius_rule == "cross_section":
             return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
@@ -285,24 +253,21 @@ class Space:
         return (tuple(range(len(self.drawings))), *(axis or (math.nan,) for axis in axes))
 
     @cached_property
-    def _units_and_scales(
-        self,
-    ) -> tuple[Counts, Float[np.ndarray, "shape unit"], Float[np.ndarray, " shape"]]:
+    def _units_and_scales(self) -> tuple[Counts, PerUnit, PerDesign]:
         """Muscles in each unit, radius factor of each unit [-] and `scale` [-], a row for each
         split with each combination of unit factors.
         """
-        if isinstance(self.splits, str):
-            enumerate_splits = compositions if self.splits == "all" else partitions
-            tables = [enumerate_splits(n, self.most_units) for n in dict.fromkeys(self.muscles)]
+        rows, most = self.splits, self.most_units
+        if isinstance(rows, str):
+            enumerate_splits = compositions if rows == "all" else partitions
+            tables = [enumerate_splits(n, most) for n in dict.fromkeys(self.muscles)]
             width = max(table.shape[1] for table in tables)
-            counts = np.concatenate(
-                [np.pad(table, ((0, 0), (0, width - table.shape[1]))) for table in tables]
-            )
+            padding = [((0, 0), (0, width - table.shape[1])) for table in tables]
+            counts = np.concatenate(list(map(np.pad, tables, padding)))
         else:
-            counts = pad_rows(self.splits)
-        if self.most_units is not None:
-            allowed = np.sum(counts > 0, axis=1) <= self.most_units
-            counts = counts[allowed, : max(1, self.most_units)]
+            counts = pad_rows(rows)
+        if most is not None:
+            counts = counts[np.sum(counts > 0, axis=1) <= most, : max(1, most)]
         counts, factor = _combine_factors(counts, self.unit_factors)
         return counts, factor, self.scale(counts, factor)
 
@@ -316,9 +281,7 @@ def drawing_sizes(drawing: Muscle) -> Floats:
     return length, radius, wall / radius, angle
 
 
-def _combine_factors(
-    counts: Counts, factors: Floats
-) -> tuple[Counts, Float[np.ndarray, "shape unit"]]:
+def _combine_factors(counts: Counts, factors: Floats) -> tuple[Counts, PerUnit]:
     """Combine splits with radius factors: muscles and factor [-] of each unit, a row for every
     split with every choice of a factor for each of its units, repeats of equal units included.
     """
@@ -382,15 +345,11 @@ class Catalog:
     energy: float | None = None
     density: float | None = None
 
-    def muscle_price(self, designs: Designs) -> Float[np.ndarray, " design"]:
-        """Price of the muscles of each of the `designs` [-]; NaN if unknown."""
-        prices = np.array([self._price_of_one(name) for name in designs.drawings])
-        return designs.counts.sum(axis=1) * prices[designs.kind]
-
-    def price(self, designs: Designs) -> Float[np.ndarray, " design"]:
+    def price(self, designs: Designs) -> PerDesign:
         """Price of muscles and valves of each of the `designs` [-]; NaN if unknown."""
+        prices = np.array([self._price_of_one(name) for name in designs.drawings])
         valve = np.nan if self.valve is None else self.valve
-        return self.muscle_price(designs) + valve * designs.units
+        return designs.counts.sum(axis=1) * prices[designs.kind] + valve * designs.units
 
     def excluded(self, drawings: Mapping[str, Muscle], task: Task) -> dict[str, str]:
         """Reasons why products must not be used for a `task`, by the names of their `drawings`."""

@@ -96,32 +96,21 @@ class Cases:
 
 
 def cases(designs: Designs, index: int, task: Task) -> Cases:
-    """Compute the load cases of a task for a design.
-
-    **Arguments:**
-
-    - `designs`: with the design among them.
-    - `index`: of the design.
-    - `task`: what is demanded.
-
-    **Returns:** the load cases.
-    """
+    """Load cases of a `task` for the design with an `index`."""
     designs.drawing(index).tuning.warn_extrapolation(task.supply_pressure)
     design, bundle = designs.take(np.array([index])), designs.bundle(index, task)
     length = float(design.length[0])
     ((_, outcome),) = outcomes(design, task)
-    spare = np.reshape(outcome.spare, -1)
-    strain = np.minimum(task.strain_of(length), LARGEST_STRAIN)
+    spare, strain = outcome.spare[:, 0], np.minimum(task.strain_of(length), LARGEST_STRAIN)
     solved = bundle.recruit(task.force, strain)
     pressures = np.asarray(solved.pressures)
     content = np.zeros(pressures.shape)
     for unit, (motor_unit, P) in enumerate(zip(bundle.motor_units, pressures.T, strict=True)):
-        muscle = motor_unit.muscle
-        rest, volume = float(muscle.volume(0.0)), np.asarray(muscle.volume(strain))
-        content[:, unit] = motor_unit.count * (volume - rest)
+        volume = np.asarray(motor_unit.muscle.volume(strain))
+        taken = volume - float(motor_unit.muscle.volume(0.0))
         if task.fluid == "air":
-            content[:, unit] += motor_unit.count * P / ATMOSPHERE * volume
-    content = np.where(pressures > 0, content, 0.0)
+            taken += P / ATMOSPHERE * volume
+        content[:, unit] = np.where(P > 0, motor_unit.count * taken, 0.0)
     state = np.where(spare >= -FORCE_TOLERANCE, np.asarray(solved.state), 0)
     return Cases(task, length, spare + task.force, spare, state, pressures, content)
 
@@ -135,10 +124,9 @@ class Summary:
     - `diameter`, `diameter_at_rest`: at the largest contraction, vented units bowed out, and at
       rest [m].
     - `product`: that its muscles are sold as, if any.
-    - `bladders`: their volume [m³].
     - `mass`: of whole muscles if the `product` gives it, else of the bladders [kg].
-    - `price`, `price_of_muscles`, `cost_of_a_cycle`: of muscles and valves, of muscles alone, and
-      of the fluid, in the catalog's currency [-].
+    - `price`, `cost_of_a_cycle`: of muscles and valves, and of the fluid, in the catalog's
+      currency [-].
     - `sizing`: of valves and hoses for a cycle, if one is demanded.
     - `held_open`: contraction to which each load case goes if its units stay joined to the supply,
       as by a 3/2 valve [m]; NaN without a rest there.
@@ -152,10 +140,8 @@ class Summary:
     diameter: float
     diameter_at_rest: float
     product: Product | None
-    bladders: float
     mass: float | None
     price: float | None
-    price_of_muscles: float | None
     cost_of_a_cycle: float | None
     sizing: ValveSizing | None
     held_open: Points
@@ -193,14 +179,6 @@ class Summary:
         return ATMOSPHERE * self.flow * float(np.log1p(ratio))
 
 
-def summarize_result(result: SearchResult, index: int) -> Summary:
-    """Summary of the recorded design with an `index` in a search."""
-    envelope = result.values.get("envelope")
-    diameter = None if envelope is None else float(envelope[index])
-    design = result.all_designs(np.array([index]))
-    return summarize(design, 0, result.task, result.catalog, diameter, result.cycle)
-
-
 def summarize(
     designs: Designs,
     index: int,
@@ -213,8 +191,7 @@ def summarize(
 
     **Arguments:**
 
-    - `designs`: with the design among them.
-    - `index`: of the design.
+    - `designs`, `index`: the designs, and the index of this one.
     - `task`: what is demanded.
     - `catalog`: products and prices [-].
     - `diameter`: of the envelope [m], if it has been computed.
@@ -226,42 +203,37 @@ def summarize(
     if diameter is None:
         diameter = float(evaluate(design, task, ["envelope"])["envelope"][0])
     counts, radius = design.counts[0], design.radius[0]
-    section = np.pi * (radius**2 - (radius - design.wall[0]) ** 2)
-    bladders = float(np.sum(counts * section) * design.length[0])
+    muscles, valves = int(counts.sum()), int(design.units[0])
     product = catalog.products.get(list(design.drawings)[int(design.kind[0])])
-    mass = None if catalog.density is None else catalog.density * bladders
+    mass, price = None, float(catalog.price(design)[0])
     if product is not None and product.mass is not None:
-        mass = product.mass * int(counts.sum())
-    load_cases = cases(design, 0, task)
-    price, muscle_price = float(catalog.price(design)[0]), float(catalog.muscle_price(design)[0])
+        mass = product.mass * muscles
+    elif catalog.density is not None:
+        section = np.pi * (radius**2 - (radius - design.wall[0]) ** 2)
+        mass = catalog.density * float(np.sum(counts * section) * design.length[0])
+    load_cases, bundle = cases(design, 0, task), design.bundle(0, task)
     cost, fluid, supply = None, load_cases.fluid_of_a_cycle, task.supply_pressure
     if task.fluid == "air" and catalog.air is not None:
         cost = catalog.air * fluid
     elif catalog.energy is not None:
         work = supply if task.fluid == "liquid" else ATMOSPHERE * np.log1p(supply / ATMOSPHERE)
         cost = float(catalog.energy * work * fluid)
-    sizing, bundle = None, design.bundle(0, task)
-    if cycle is not None:
-        margin = np.where(load_cases.reached, np.maximum(load_cases.relative, 0.0), -1.0)
-        pressures, taken = load_cases.pressures, load_cases.fluid
-        sizing = size_valves(design, 0, task, cycle, pressures, taken, margin)
+    sizing = None if cycle is None else size_valves(design, load_cases, cycle)
     open_pressures = np.where(load_cases.pressures > 0, supply, 0.0)
-    length = load_cases.length
-    vented = _rest(bundle, task.force.max(keepdims=True), np.zeros((1, len(bundle.motor_units))))
+    vented = _rest(bundle, task.force.max(keepdims=True), np.zeros((1, valves)))
     return Summary(
-        *(design.labels[0], int(counts.sum()), int(design.units[0]), load_cases, diameter),
-        *(2 * float(packed_radius(radius, counts)), product, bladders, mass),
-        None if np.isnan(price) else price,
-        None if np.isnan(muscle_price) else muscle_price,
-        *(cost, sizing, length * _rest(bundle, task.force, open_pressures)),
-        -length * float(vented[0]),
+        *(design.labels[0], muscles, valves, load_cases, diameter),
+        *(2 * float(packed_radius(radius, counts)), product, mass),
+        *(None if np.isnan(price) else price, cost, sizing),
+        held_open=load_cases.length * _rest(bundle, task.force, open_pressures),
+        stretch=-load_cases.length * float(vented[0]),
     )
 
 
 def _rest(bundle: Bundle, force: Points, pressures: Float[np.ndarray, "point unit"]) -> Points:
     """Strain at which a bundle holds loads [N] at rest, the largest stable one [-]; NaN if none."""
-    found = bundle.strain_at(force, pressures)
-    strain = np.where(found.stable, found.strain, -np.inf).max(axis=-1)
+    rest = bundle.strain_at(force, pressures)
+    strain = np.where(rest.stable, rest.strain, -np.inf).max(axis=-1)
     return np.where(np.isfinite(strain), strain, np.nan)
 
 
@@ -284,20 +256,18 @@ def best_splits(result: SearchResult, index: int) -> Splits | None:
     units = min(number, max(most or 5, int(design.units[0])))
     if not design.uniform[0] or number_of_splits(number, "all", units) > _MOST_SPLITS:
         return None
-    counts = compositions(number, units)
-    same = Designs.of(design.muscle(0), counts, list(design.drawings)[int(design.kind[0])])
+    name = list(design.drawings)[int(design.kind[0])]
+    splits = Designs.of(design.muscle(0), compositions(number, units), name)
     names = ["mean_energy", "mean_efficiency", "force_resolution", "relative_margin"]
     if not result.task.scheme.independent:
         names.append("reversal_depth")
-    values = evaluate(same, result.task, names)
+    values = evaluate(splits, result.task, names)
     reached = values["relative_margin"] >= result.values["relative_margin"][index] * (1 - 1e-6)
     energy = np.where(reached, values["mean_energy"], np.inf)
-    if not np.isfinite(energy).any():
+    # of each number of units the split with the least energy, if one reaches as much
+    order = np.lexsort((energy, splits.units))
+    best = order[np.unique(splits.units[order], return_index=True)[1]]
+    best = best[np.isfinite(energy[best])]
+    if not best.size:
         return None
-    rows = [
-        members[np.argmin(energy[members])]
-        for members in (np.flatnonzero(same.units == m) for m in range(1, units + 1))
-        if np.isfinite(energy[members]).any()
-    ]
-    best = np.array(rows)
-    return Splits(same.take(best), {name: row[best] for name, row in values.items()})
+    return Splits(splits.take(best), {name: row[best] for name, row in values.items()})

@@ -154,15 +154,16 @@ class Task:
 
         A stroke that is longer than the bundle is a strain above 1.
         """
-        if self.strain is None:
-            return np.divide.outer(self.stroke, length)
-        return np.multiply.outer(self.strain, np.ones_like(length))
+        if self.strain is not None:
+            return np.multiply.outer(self.strain, np.ones_like(length))
+        assert self.stroke is not None
+        return np.divide.outer(self.stroke, length)
 
     def stroke_of(self, length: Numbers) -> Points:
         """Shortening demanded of bundles [m], points first; `length`: at rest [m]."""
-        if self.strain is None:
-            return np.multiply.outer(self.stroke, np.ones_like(length))
-        return np.multiply.outer(self.strain, length)
+        if self.strain is not None:
+            return np.multiply.outer(self.strain, length)
+        return np.multiply.outer(self.strain_of(1.0), np.ones_like(length))
 
     @property
     def reference(self) -> Points:
@@ -215,7 +216,7 @@ def example_task(name: str, supply_pressure: float = 413.7e3) -> Task:
     """Task of `TASKS` with a `name`, with made-up figures, at a supply pressure [Pa]; `ValueError`
     for another name, with the nearest.
     """
-    figures = TASKS[check_choice(name, TASKS, "example")]()
+    figures: dict[str, Any] = TASKS[check_choice(name, TASKS, "example")]()
     make = Task.in_time if "time" in figures else Task.of
     source = "made up, no measurement"
     return make(**figures, supply_pressure=supply_pressure, name=name, source=source)

@@ -51,7 +51,7 @@ def test_each_change_is_just_enough(designs, scheme, stroke):
         lengths = [0.127 * x for x in strain]
         task = Task.of([100.0, 500.0], None, SUPPLY, scheme=scheme, stroke=lengths)
     assert margin(designs, task) < 0
-    changes = by_name(designs, 0, task, NONE)
+    changes = by_name(designs, task, NONE)
     length = ["length"] if stroke else []
     assert list(changes) == ["supply_pressure", "muscles", "radius", "braid_angle", *length]
     for what, remedy in changes.items():
@@ -67,7 +67,7 @@ def test_each_change_is_just_enough(designs, scheme, stroke):
 def test_changes_are_safe_in_draws(designs):
     task = Task.of([400.0], [0.05], SUPPLY)
     judged = Uncertainty(DesignScatter(0.01, 0.02, 0.05, 0.15), draws=500)
-    for what, remedy in by_name(designs, 0, task, NONE, None, judged).items():
+    for what, remedy in by_name(designs, task, NONE, None, judged).items():
         draws = spread(*changed(designs, task, what, remedy.value), (), NONE, judged.scatter,
                        draws=500)  # fmt: skip
         assert 0.95 <= draws.probability[0] <= (1.0 if what == "muscles" else 0.97), what
@@ -75,7 +75,7 @@ def test_changes_are_safe_in_draws(designs):
 
 def test_insufficient_single_changes(designs):
     """At a third of its length this braid pushes, however many and at any pressure."""
-    changes = by_name(designs, 0, Task.of([10.0], [0.33], SUPPLY), NONE)
+    changes = by_name(designs, Task.of([10.0], [0.33], SUPPLY), NONE)
     assert changes["supply_pressure"].most == 1e6
     for what in ("supply_pressure", "muscles", "radius"):
         assert changes[what].value is None and not changes[what].reaches
@@ -86,7 +86,7 @@ def test_no_change_breaks_a_limit(designs):
     task = Task.of([600.0], [0.04], SUPPLY)
     now = evaluate(designs, task, ["envelope"])["envelope"][0]
     limits = with_reach_limits({"envelope": Limit(most=now + 1e-6), "valves": Limit(most=2)})
-    changes = by_name(designs, 0, task, limits)
+    changes = by_name(designs, task, limits)
     assert changes["supply_pressure"].value is not None
     for what in ("radius", "muscles"):
         assert changes[what].value is None and changes[what].reaches
@@ -94,6 +94,6 @@ def test_no_change_breaks_a_limit(designs):
 
 def test_a_product_has_its_own_sizes(designs):
     task = Task.of([600.0], [0.04], SUPPLY)
-    changes = by_name(designs, 0, task, NONE, Product("p", largest_pressure=320e3))
+    changes = by_name(designs, task, NONE, Product("p", largest_pressure=320e3))
     assert list(changes) == ["supply_pressure", "muscles"]
     assert changes["supply_pressure"].value is None and changes["supply_pressure"].most == 320e3
