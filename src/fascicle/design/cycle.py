@@ -38,11 +38,11 @@ from ..fluid.data_sheets import CatalogValve, catalog_valves
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import REFERENCE_DENSITY, Line, SonicValve
 from .designs import Designs
+from .task import Task
 
 
 if TYPE_CHECKING:
     from ..dynamics import Measurement
-    from .summary import Cases
 
 ATMOSPHERE = 100e3  # Pa, of ISO 8778
 USUAL_RATIO = 0.3  # b of a valve: those of the catalog have 0.13 to 0.40
@@ -175,19 +175,28 @@ class _Contraction(NamedTuple):
         return np.maximum(fill / cycle.lift, vent / cycle.release)
 
 
-def size_valves(design: Designs, load_cases: "Cases", cycle: Cycle) -> ValveSizing | None:
+def size_valves(
+    design: Designs,
+    task: Task,
+    cycle: Cycle,
+    pressures: Float[np.ndarray, "case unit"],
+    fluid: Float[np.ndarray, " case"],
+    margin: Float[np.ndarray, " case"],
+) -> ValveSizing | None:
     """Valves and hoses with which a single design does the load cases that it reaches within the
     times of a `cycle`; `None` if it reaches none. Of more than 64 load cases, those that take most
     fluid and those with the least margin are run.
+
+    `pressures`: of the units in each load case [Pa]; `fluid`: that each takes [m³]; `margin`:
+    relative margin of each [-]; negative for one that isn't reached.
     """
-    task, length = load_cases.task, load_cases.length
-    (successes,) = np.nonzero(load_cases.reached & (load_cases.pressures > 0).any(axis=1))
+    (successes,) = np.nonzero((margin >= 0) & (pressures > 0).any(axis=1))
     if not successes.size:
         return None
-    keys = (-load_cases.fluid, np.maximum(load_cases.relative, 0.0))
-    cases = np.unique(np.concatenate([successes[np.argsort(x[successes])[:_CASES]] for x in keys]))
-    pressures = load_cases.pressures[cases]
-    filled, strain, F = pressures > 0, task.strain_of(length)[cases], task.force[cases]
+    hardest = [successes[np.argsort(key[successes])[:_CASES]] for key in (-fluid, margin)]
+    cases = np.unique(np.concatenate(hardest))
+    pressures, F = pressures[cases], task.force[cases]
+    filled, strain = pressures > 0, task.strain_of(float(design.length[0]))[cases]
     contraction, start = _contraction(design, strain, F, pressures, task.supply_pressure)
     C, line = _conductances(contraction, cycle, filled)
     case, unit = np.unravel_index(np.argmax(C), C.shape)

@@ -218,7 +218,11 @@ def summarize(
     elif catalog.energy is not None:
         work = supply if task.fluid == "liquid" else ATMOSPHERE * np.log1p(supply / ATMOSPHERE)
         cost = float(catalog.energy * work * fluid)
-    sizing = None if cycle is None else size_valves(design, load_cases, cycle)
+    sizing = None
+    if cycle is not None:
+        margin = np.where(load_cases.reached, np.maximum(load_cases.relative, 0.0), -1.0)
+        load = (load_cases.pressures, load_cases.fluid, margin)
+        sizing = size_valves(design, task, cycle, *load)
     open_pressures = np.where(load_cases.pressures > 0, supply, 0.0)
     vented = _rest(bundle, task.force.max(keepdims=True), np.zeros((1, valves)))
     return Summary(
