@@ -72,16 +72,8 @@ def provenance_of(
     warnings: Sequence[str] = (),
     reasons: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """Provenance of a fitted muscle.
-
-    **Arguments:**
-
-    - `calibration`: the fit.
-    - `date`: of the fit, such as "2026-05-04".
-    - `choice`: the model selection that chose it, or `None`.
-    - `warnings`, `reasons`: on the fit and for the choice, in words.
-
-    **Returns:** text, numbers and lists by key, one level of tables deep, for `save`.
+    """Provenance of a fitted muscle for `save`: text, numbers and lists by key, one level of tables
+    deep. `choice`: the model selection that chose the fit; `warnings`, `reasons`: in words.
     """
     from .. import __version__
 

@@ -15,29 +15,15 @@ from ..core.module import with_fields
 from ..core.validation import check_choice, warn_user
 from ..io.atomic import write_text
 from ..io.input_file import parse_toml, read_bytes
-from ..muscle import Muscle
+from ..muscle import Muscle, validation
 from ..muscle.law import AbstractLaw, Declared
 from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.tuning import Tuning
-from ..muscle.validation import (
-    END_PARAMETERS,
-    FittedLength,
-    fit_info_entries,
-    fitted_length_mismatch,
-)
 from ..table_model import did_you_mean, location_message, validate, value_at
 from ..units import DIMENSIONS, exact, parse
-from . import example_text, named_muscles
-from .schema import (
-    BundleSection,
-    FileLocation,
-    LawSection,
-    MuscleFile,
-    MuscleSection,
-    TuningSection,
-    check_kind,
-)
+from . import example_text, named_muscles, schema
+from .schema import BundleSection, FileLocation
 
 
 _MAX_FILE_SIZE = 1_000_000  # bytes; a muscle takes 500
@@ -81,22 +67,24 @@ def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Table `[calibration]` of a muscle file, with the entries of the calibration log it names;
     empty if it has none. Raises as `load`.
     """
+
+    def read_calibration(path: Path) -> dict[str, Any]:
+        data = read_file(path)
+        table = data.get(_CALIBRATION, {})
+        if not isinstance(table, dict):
+            raise FileLocation(str(path), data).error((_CALIBRATION,), "must be a table of keys.")
+        return table
+
     path = Path(path)
-    table = _read_calibration(path)
+    table = read_calibration(path)
     log = table.get("log", "")
     if not isinstance(log, str) or Path(log).name != log:
-        rule = "must be the name of a file in the same folder."
-        raise ValueError(location_message(str(path), [_CALIBRATION, "log"], rule, log))
+        location = FileLocation(str(path), {_CALIBRATION: table})
+        raise location.error(
+            (_CALIBRATION, "log"), "must be the name of a file in the same folder."
+        )
     log_path = path.parent / log
-    return _read_calibration(log_path) | table if log and log_path.is_file() else table
-
-
-def _read_calibration(path: Path) -> dict[str, Any]:
-    table = read_file(path).get(_CALIBRATION, {})
-    if not isinstance(table, dict):
-        rule = "must be a table of keys."
-        raise ValueError(location_message(str(path), [_CALIBRATION], rule, table))
-    return table
+    return read_calibration(log_path) | table if log and log_path.is_file() else table
 
 
 def save(
@@ -131,7 +119,7 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
     text = tomlkit.dumps({"format": 1} | data)
     if calibration is None:
         # a bundle of equal fitted muscles has their fitted length
-        entries = [fit_info_entries(muscle) for muscle in muscles]
+        entries = [validation.fit_info_entries(muscle) for muscle in muscles]
         equal = all(muscle == muscles[0] for muscle in muscles) and entries[1:] == entries[:-1]
         calibration = (entries[0] if equal else None) or None
     return text if calibration is None else f"{text}\n{calibration_text(calibration)}"
@@ -180,14 +168,14 @@ def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> 
     """The muscle or bundle in a file's tables, whose muscles may be named by an example or a file
     in a `folder`; `ValueError` as `loads`.
     """
-    check_kind(data, "muscle or bundle", source)
+    schema.check_kind(data, "muscle or bundle", source)
     sections, units = data.get("muscle"), value_at(data, ("bundle", "motor_unit"))
     names_all = isinstance(units, list) and bool(units) and all("muscle" in unit for unit in units)
     if sections is None and names_all:
         data = data | {"muscle": {}}
     elif isinstance(sections, str | dict) and not _are_named(sections):
         data = data | {"muscle": {"": sections}}
-    file = validate(MuscleFile, data, source)
+    file = validate(schema.MuscleFile, data, source)
     root = FileLocation(source, data)
     muscles = {
         name: _named_muscle(section, root.child("muscle", name), folder)
@@ -212,7 +200,7 @@ def _are_named(sections: str | dict[str, Any]) -> bool:
         isinstance(sections, dict)
         and bool(sections)
         and all(
-            isinstance(section, str | dict) and name not in MuscleSection.model_fields
+            isinstance(section, str | dict) and name not in schema.MuscleSection.model_fields
             for name, section in sections.items()
         )
     )
@@ -238,13 +226,13 @@ def _with_fitted_length(muscle: Muscle, calibration: Any, root: FileLocation) ->
         rule = 'must be a length with its unit, such as "127 mm".'
         raise root.error((_CALIBRATION, "fitted_length"), rule) from None
     names = calibration.get("coordinate_names", ())
-    ends = calibration.get("fitted_ends") is True or not END_PARAMETERS.isdisjoint(names)
-    muscle = with_fields(muscle, fitted_length=FittedLength(length, ends))
-    warn_user(fitted_length_mismatch(muscle))
+    ends = calibration.get("fitted_ends") is True or not validation.END_PARAMETERS.isdisjoint(names)
+    muscle = with_fields(muscle, fitted_length=validation.FittedLength(length, ends))
+    warn_user(validation.fitted_length_mismatch(muscle))
     return muscle
 
 
-def _muscle(section: MuscleSection, location: FileLocation) -> Muscle:
+def _muscle(section: schema.MuscleSection, location: FileLocation) -> Muscle:
     arguments = section.model_dump(exclude_none=True, exclude={"material", "tuning", *LAWS})
     if section.collapse is not None and section.collapse.transition_rate is not None:
         arguments["transition_rate"] = section.collapse.transition_rate
@@ -273,7 +261,7 @@ def _material(section: dict[str, Any], location: FileLocation) -> MooneyRivlin:
         return MooneyRivlin(**constants)
 
 
-def _law(kind: str, section: str | LawSection, location: FileLocation) -> str | AbstractLaw:
+def _law(kind: str, section: str | schema.LawSection, location: FileLocation) -> str | AbstractLaw:
     if isinstance(section, str):
         return section  # an unknown one is refused by the muscle
     laws = LAWS[kind]
@@ -309,7 +297,7 @@ def _arguments(
         }
 
 
-def _tuning(section: TuningSection, location: FileLocation) -> Tuning:
+def _tuning(section: schema.TuningSection, location: FileLocation) -> Tuning:
     numbers = section.model_dump(exclude_none=True)
     if "pressure" in numbers:
         numbers["pressures"] = numbers.pop("pressure")
@@ -321,7 +309,10 @@ def _tuning(section: TuningSection, location: FileLocation) -> Tuning:
 
 
 def _bundle(
-    section: BundleSection, muscles: dict[str, Muscle], location: FileLocation, folder: Path | None
+    section: BundleSection,
+    muscles: dict[str, Muscle],
+    location: FileLocation,
+    folder: Path | None,
 ) -> Bundle:
     units, default, tables = [], next(iter(muscles), ""), list(muscles)
     for index, unit in enumerate(section.motor_unit):

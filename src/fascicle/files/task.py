@@ -7,7 +7,7 @@ laws and sizes that it doesn't give are those of a muscle. In one length it beco
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,16 +19,10 @@ from ..bundle.schemes import scheme_of
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
 from ..core.validation import check_choice, check_interval
+from ..design import objectives
 from ..design.cycle import Cycle
 from ..design.exhaustive_search import LEAST_MARGIN, USUAL
-from ..design.objectives import (
-    OBJECTIVES,
-    SHARES,
-    Limit,
-    check_objectives,
-    check_search,
-    with_reach_limits,
-)
+from ..design.objectives import Limit, check_objectives
 from ..design.scatter import USUAL_SCATTER, USUAL_SHARE, DesignScatter, Uncertainty
 from ..design.space import SPLITS, Catalog, Product, Space, read_split
 from ..design.task import FLUIDS, Task, example_task
@@ -36,22 +30,10 @@ from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..table_model import validate
 from ..units import dimension_of_unit, parse, pretty
-from . import named_muscles, shipped_names, shipped_text
+from . import named_muscles, schema, shipped_names, shipped_text
 from .measured_muscles import catalog as measured_muscles
 from .muscle_files import load_named, parse_file, provenance, read_file
-from .schema import (
-    CatalogFile,
-    CycleSection,
-    DesignSection,
-    FileLocation,
-    Price,
-    PricesSection,
-    ProductSection,
-    ScatterSection,
-    TaskFileSection,
-    TaskSection,
-    check_kind,
-)
+from .schema import DesignSection, FileLocation, Price, ProductSection
 
 
 _BOUNDS = {"at_least": "least", "at_most": "most"}  # keys of a limit, and their names in `Limit`
@@ -84,19 +66,10 @@ class Offer(NamedTuple):
     notes: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class TaskFile:
-    """Contents of a task file.
-
-    - `task`, `space`: the task, and the designs to choose from.
-    - `senses`, `limits`: "min" or "max", and bounds, by objective.
-    - `catalog`: products with their prices.
-    - `uncertainty`: scatter and model error to judge designs by, or `None`.
-    - `block`: number of a study's designs that are evaluated together.
-    - `data`: the file's tables.
-    - `notes`: on products that aren't available, and on fit errors.
-    - `least_margin`: relative margin of force below which a design is warned of [-].
-    - `cycle`: for which valves are sized, or `None`.
+class TaskFile(NamedTuple):
+    """Contents of a task file: `senses`, "min" or "max", and `limits` by objective; scatter and
+    model error to judge designs by, or `None`; the relative margin of force below which a design is
+    warned of [-]; the cycle for which valves are sized, or `None`.
     """
 
     task: Task
@@ -105,11 +78,10 @@ class TaskFile:
     limits: dict[str, Limit]
     catalog: Catalog
     uncertainty: Uncertainty | None
-    block: int
-    data: Mapping[str, Any]
-    notes: tuple[str, ...] = ()
-    least_margin: float = LEAST_MARGIN
-    cycle: Cycle | None = None
+    block: int  # of a study's designs that are evaluated together
+    notes: tuple[str, ...]  # on products that aren't available, and on fit errors
+    least_margin: float
+    cycle: Cycle | None
 
 
 def load_task(path: str | os.PathLike[str]) -> TaskFile:
@@ -124,8 +96,8 @@ def loads_task(text: str, source: str = "<text>", folder: Path = Path()) -> Task
 
 
 def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
-    check_kind(data, "task", source)
-    file = validate(TaskFileSection, data, source)
+    schema.check_kind(data, "task", source)
+    file = validate(schema.TaskFileSection, data, source)
     root = FileLocation(source, data)
     task = _task(file.task, root.child("task"))
     limits_location = root.child("limits", kind="limits")
@@ -134,25 +106,25 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     limits, least_margin = _limits(limit_entries, limits_location)
     senses = _senses(file.objectives, root.child("objectives", kind="objectives"))
     with limits_location.error_context():
-        check_search(senses, with_reach_limits(limits))
+        objectives.check_search(senses, objectives.with_reach_limits(limits))
     design, location = file.design, root.child("design", kind="design")
     offer = _offer(design, location, folder)
     space = _design_space(design, location, limits, folder, offer)
-    prices = file.prices or PricesSection()
+    prices = file.prices or schema.PricesSection()
     catalog = _catalog(prices, root.child("prices"), design.density, offer)
     block = (file.sweep and file.sweep.block) or _BLOCK
     if design.density is not None and not 1.0 <= design.density <= 3e4:
         raise location.error(("density",), "must lie in [1, 30000] kg/m^3.")
-    scatter, uncertainty = file.scatter or ScatterSection(), None
+    scatter, uncertainty = file.scatter or schema.ScatterSection(), None
     if scatter.enabled is not False:
         uncertainty = _uncertainty(scatter, design, root.child("scatter"), folder, probability)
     notes = (*_fit_notes(design.muscle, folder, task, space), *(offer.notes if offer else ()))
     cycle = _cycle(file.cycle, task, root.child("cycle"))
-    options = (catalog, uncertainty, block, data, notes, least_margin, cycle)
+    options = (catalog, uncertainty, block, notes, least_margin, cycle)
     return TaskFile(task, space, senses, limits, *options)
 
 
-def _cycle(section: CycleSection | None, task: Task, location: FileLocation) -> Cycle | None:
+def _cycle(section: schema.CycleSection | None, task: Task, location: FileLocation) -> Cycle | None:
     if section is None:
         return None
     if task.fluid != "air":
@@ -170,19 +142,25 @@ def _fit_notes(names: Sequence[str], folder: Path, task: Task, space: Space) -> 
     """Notes on the errors of fitted muscles with these `names`, and on extrapolations."""
     notes = []
     for name in names:
-        rmse = None if name in named_muscles() else provenance(folder / name).get("rmse")
-        if (entry := measured_muscles.get(name)) and entry.error.rmse is not None:
-            rmse = pretty(entry.error.rmse, "force", 3)
-        if isinstance(rmse, str):
+        if isinstance(rmse := _fit_errors(name, folder).get("rmse"), str):
             rule = f"was fitted with an error of {rmse} (rmse): a margin doesn't count it."
             notes.append(f"{name} {rule}")
-        if entry is not None and name in space.drawings:
+        if name in measured_muscles and name in space.drawings:
             strain = float(np.max(task.strain_of(float(space.drawings[name].length))))
-            notes.append(entry.extrapolation(task.supply_pressure, strain))
+            notes.append(measured_muscles[name].extrapolation(task.supply_pressure, strain))
     return [note for note in notes if note]
 
 
-def _task(section: TaskSection, location: FileLocation) -> Task:
+def _fit_errors(name: str, folder: Path) -> dict[str, Any]:
+    """Text `rmse` and `relative_rmse` [-] of a fitted muscle, as far as they are known."""
+    if entry := measured_muscles.get(name):
+        rmse = None if entry.error.rmse is None else pretty(entry.error.rmse, "force", 3)
+        return {"rmse": rmse, "relative_rmse": entry.error.relative_rmse}
+    is_file = name not in named_muscles() and (folder / name).exists()
+    return provenance(folder / name) if is_file else {}
+
+
+def _task(section: schema.TaskSection, location: FileLocation) -> Task:
     values: dict[str, Any] = section.model_dump(exclude_none=True)
     supply = values.pop("supply_pressure")
     if section.example is not None:
@@ -216,9 +194,9 @@ def _task(section: TaskSection, location: FileLocation) -> Task:
 
 def _senses(section: Mapping[str, str] | None, location: FileLocation) -> dict[str, str]:
     senses = dict(USUAL if section is None else section)
+    with location.error_context():
+        check_objectives(senses)
     for name, sense in senses.items():
-        with location.error_context():
-            check_objectives([name])
         if sense not in ("min", "max"):
             raise location.error((name,), 'must be "min" or "max".')
     return senses
@@ -245,10 +223,10 @@ def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[st
                 continue
             if key not in _BOUNDS:
                 raise location.error((name, key), "unknown key: write at_least or at_most.")
-            dimension = dimension_of_unit(OBJECTIVES[name].unit) or "number"
+            dimension = dimension_of_unit(objectives.OBJECTIVES[name].unit) or "number"
             with location.child(name, key).error_context():
                 value = parse(text, dimension)
-            if name in SHARES and not 0 <= value < 1:
+            if name in objectives.SHARES and not 0 <= value < 1:
                 rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
                 raise location.error((name,), rule)
             ends[_BOUNDS[key]] = value
@@ -320,7 +298,7 @@ def _share(
 
 
 def _uncertainty(
-    section: ScatterSection,
+    section: schema.ScatterSection,
     design: DesignSection,
     location: FileLocation,
     folder: Path,
@@ -329,13 +307,14 @@ def _uncertainty(
     deviations = section.model_dump(
         exclude_none=True, include={"length", "wall_thickness", "braid_angle", "model_error"}
     )
-    errors = [_fit_error(name, folder) for name in design.muscle]
+    errors = [_fit_errors(name, folder).get("relative_rmse") for name in design.muscle]
+    errors = [error for error in errors if isinstance(error, float) and 0 <= error < 1]
     # a catalog's products have other sizes than what was measured
-    fitted = design.catalog is None and all(error is not None for error in errors)
+    fitted = design.catalog is None and len(errors) == len(design.muscle)
     basis = "error of the fit" if fitted else Uncertainty.basis
     usual = attrs.asdict(USUAL_SCATTER)
     if fitted:
-        usual["model_error"] = max(error or 0.0 for error in errors)
+        usual["model_error"] = max(errors)
     name, single = design.muscle[0], len(design.muscle) == 1 and not design.catalog
     path, is_own_law = folder / name, design.buckling is None
     with location.error_context():
@@ -361,28 +340,21 @@ def _uncertainty(
     return Uncertainty(scatter, draws, muscles, probability, basis)
 
 
-def _fit_error(name: str, folder: Path) -> float | None:
-    """Error of a fitted muscle over the largest force [-]; `None` if it is unknown."""
-    if entry := measured_muscles.get(name):
-        return entry.error.relative_rmse
-    if name in named_muscles() or not (folder / name).exists():
-        return None
-    error = provenance(folder / name).get("relative_rmse")
-    return error if isinstance(error, float) and 0 <= error < 1 else None
-
-
 def _catalog(
-    section: PricesSection, location: FileLocation, density: float | None, offer: Offer | None
+    section: schema.PricesSection,
+    location: FileLocation,
+    density: float | None,
+    offer: Offer | None,
 ) -> Catalog:
     prices: dict[str, Price] = {key: price for key, price in section if price is not None}
-    currency = "" if offer is None else offer.currency
+    products, currency = (offer.products, offer.currency) if offer else ({}, "")
     for key, price in prices.items():
         currency = currency or price.currency
         if price.currency != currency:
             rule = f"another price is in {currency}: give all in one currency."
             raise location.error((key,), rule)
     amounts = {key: price.amount for key, price in prices.items()}
-    return Catalog({} if offer is None else offer.products, currency, density=density, **amounts)
+    return Catalog(products, currency, density=density, **amounts)
 
 
 def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offer | None:
@@ -406,34 +378,35 @@ def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offe
                 with catalog.error_context():
                     check_choice(source, shipped, "catalog")
             source, data = str(path), read_file(path)
-        products = validate(CatalogFile, data, source).product
+        products = validate(schema.CatalogFile, data, source).product
         catalog = FileLocation(source, data, ("product",), "catalog")
-    # names and muscles that give products their material and laws
-    bases = []
-    for i, product in enumerate(products):
-        name = product.muscle or section.muscle[0]
-        name_location = location if product.muscle is None else catalog.child(i, kind="catalog")
-        bases.append((name, _drawing(name, section, name_location, folder)))
-    return _build_offer(products, catalog, section.length or (), bases)
+    if not products:
+        raise catalog.error((), "holds no product.")
+
+    def base(product: ProductSection, product_location: FileLocation) -> Muscle:
+        """The muscle that gives a product its material and laws."""
+        if product.muscle is None:
+            return _drawing(section.muscle[0], section, location, folder)
+        return _drawing(product.muscle, section, product_location, folder)
+
+    return _build_offer(products, catalog, section, base)
 
 
 def _build_offer(
-    sections: Sequence[ProductSection],
+    products_on_sale: Sequence[ProductSection],
     catalog: FileLocation,
-    lengths: Sequence[float],
-    bases: Sequence[tuple[str, Muscle]],
+    design: DesignSection,
+    base_of: Callable[[ProductSection, FileLocation], Muscle],
 ) -> Offer:
-    """Muscles on sale, in `lengths` [m] if they are cut to order; `bases`: of each product."""
-    if not sections:
-        raise catalog.error((), "holds no product.")
     drawings: dict[str, Muscle] = {}
     products: dict[str, Product] = {}
     currencies: dict[str, FileLocation] = {}
     notes: list[str] = []
     borrowed: dict[str, list[str]] = {}  # products by what they take from a base
-    for i, (section, (base_name, base)) in enumerate(zip(sections, bases, strict=True)):
-        location = catalog.child(i, kind="catalog")
-        candidates = section.length or tuple(lengths) or (float(base.length),)
+    for i, section in enumerate(products_on_sale):
+        location, base_name = catalog.child(i, kind="catalog"), section.muscle or design.muscle[0]
+        base = base_of(section, location)
+        candidates = section.length or design.length or (float(base.length),)
         low, high = section.least_length or 0.0, section.most_length or float("inf")
         if low > high:
             raise location.error(("least_length",), "must not be more than most_length.")

@@ -32,24 +32,41 @@ _LEDGER = {
     "damper": "lost in the damper", "stop": "lost in the stop", "friction": "lost in friction",
     "motor": "of a given motion",
 }  # fmt: skip
-_METRICS = {
-    "drawdown": "deepest fall while the demand didn't fall",
-    "dip": "deepest dip of a unit at the strains of the run",
-    "rms": "root mean square of the error while the demand was reachable",
-    "largest_error": "largest error while the demand was reachable",
-    "lag": "delay at which the output follows best",
-    "supply_energy": "exergy drawn from the supply",
-    "fluid": "drawn from the supply",
-    "recruited": "number of recruitments of units",
-    "unreachable": "demands that no policy could reach",
-    "moments": "demands in all",
-    "first": "first unreachable demand",
-    "last": "last unreachable demand",
-    "short": "largest force or moment that an unreachable demand lacks",
-}
-_STORES = {"fluid": "exergy of a gas, energy of a liquid", "muscles": "in the muscles",
-           "motion": "kinetic", "load": "potential", "stop": "in the stop's springs",
-           "friction": "in friction's springs"}  # fmt: skip
+# of metrics, "output": unit of the controlled output, "force": of its force
+_METRICS = (
+    ("drawdown", "output", "deepest fall while the demand didn't fall"),
+    ("dip", "N", "deepest dip of a unit at the strains of the run"),
+    ("rms", "output", "root mean square of the error while the demand was reachable"),
+    ("largest_error", "output", "largest error while the demand was reachable"),
+    ("lag", "s", "delay at which the output follows best"),
+    ("supply_energy", "J", "exergy drawn from the supply"),
+    ("fluid", "kg", "drawn from the supply"),
+    ("recruited", "-", "number of recruitments of units"),
+    ("unreachable", "-", "demands that no policy could reach"),
+    ("moments", "-", "demands in all"),
+    ("first", "s", "first unreachable demand"),
+    ("last", "s", "last unreachable demand"),
+    ("short", "force", "largest force or moment that an unreachable demand lacks"),
+)
+_STORES = {
+    "fluid": "exergy of a gas, energy of a liquid", "muscles": "in the muscles",
+    "motion": "kinetic", "load": "potential", "stop": "in the stop's springs",
+    "friction": "in friction's springs",
+}  # fmt: skip
+# columns, their fields, units and meanings
+_BALANCE = (
+    ("balance", "name", "-", "balanced quantity"),
+    ("left_over", "residual", "J", "in kg of the fluid's mass"),
+    ("left_over_share", "relative_residual", "-", "of the largest term"),
+    ("closes_within", "tolerance", "-", "largest share of a balance that closes"),
+    ("closes", "closes", "-", "true if the balance closes"),
+)
+_EVENT = (
+    ("event", "name", str, "-", "event in the run"),
+    ("event_first", "first", float, "s", "first time"),
+    ("event_last", "last", float, "s", "last time"),
+    ("event_trusted", "trusted", bool, "-", "true if the run can be trusted all the same"),
+)
 
 
 def muscle_force(muscle: Muscle, pressures: Values, strains: Values) -> Table:
@@ -231,10 +248,8 @@ def efficiency(maps: Sequence[EfficiencyMap]) -> Table:
     `maps`: from `fascicle.energetics.efficiency_map`, a path each, on one grid.
     """
     grids = np.stack([path.efficiency for path in maps])
-    is_reached = np.isfinite(grids)
-    counts = is_reached.sum(axis=(1, 2))
-    sums = np.where(is_reached, grids, 0.0).sum(axis=(1, 2))
-    averages = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
+    counts = np.isfinite(grids).sum(axis=(1, 2))
+    averages = np.where(counts > 0, np.nansum(grids, axis=(1, 2)) / np.maximum(counts, 1), np.nan)
     states = np.stack([path.state for path in maps])
     return build_table(
         ("path", "path", [path.path for path in maps], "-", "how the point is reached"),
@@ -300,25 +315,12 @@ def simulated(
         rows.append((f"account_{name}", "time", energy, "kg" if name == "mass" else "J", about))
     for name, energy in zip(STORES, np.asarray(outputs.store).T, strict=True):
         rows.append((f"stored_{name}", "time", energy, "J", f"stored: {_STORES[name]}"))
-    balance_columns = (
-        ("balance", "name", "-", "balanced quantity"),
-        ("left_over", "residual", "J", "in kg of the fluid's mass"),
-        ("left_over_share", "relative_residual", "-", "of the largest term"),
-        ("closes_within", "tolerance", "-", "largest share of a balance that closes"),
-        ("closes", "closes", "-", "true if the balance closes"),
-    )
     if audit is not None:
-        for name, field, *texts in balance_columns:
+        for name, field, *texts in _BALANCE:
             values = [getattr(balance, field) for balance in audit.balances]
             rows.append((name, "balance", values, *texts))
-    event_columns = (
-        ("event", "name", str, "-", "event in the run"),
-        ("event_first", "first", float, "s", "first time"),
-        ("event_last", "last", float, "s", "last time"),
-        ("event_trusted", "trusted", bool, "-", "true if the run can be trusted all the same"),
-    )
     run_events = events(run)
-    for name, field, kind, *texts in event_columns:
+    for name, field, kind, *texts in _EVENT:
         values = np.array([getattr(event, field) for event in run_events], kind)
         rows.append((name, "event", values, *texts))
     return build_table(*rows)
@@ -350,18 +352,17 @@ def _tracking_variables(controller: "Cascade", run: "Trajectory", reference: Any
     """Demand, output, reach and metrics of a controlled run; the last step's also at the end."""
     from ..control import control_metrics, controlled_output, reachability
 
-    unit, force = _output_units(controller)
-    reach = reachability(controller, run.outputs, reference)
+    units, reach = _output_units(controller), reachability(controller, run.outputs, reference)
     demand, reachable, lacking = (
         np.append(values, values[-1])
         for values in (np.asarray(reference, float), reach.is_reachable, reach.shortfall)
     )
-    output = controlled_output(controller, run)
+    output, of = controlled_output(controller, run), controller.of
     return [
-        ("demand", "time", demand, unit, f"of {controller.of}, until the next step"),
-        ("controlled", "time", output, unit, f"controlled {controller.of}"),
+        ("demand", "time", demand, units["output"], f"of {of}, until the next step"),
+        ("controlled", "time", output, units["output"], f"controlled {of}"),
         ("reachable", "time", reachable, "-", "true if the muscles can reach the demand"),
-        ("short", "time", lacking, force, "part of the demand that the muscles lack"),
+        ("short", "time", lacking, units["force"], "part of the demand that the muscles lack"),
         *_metric_variables(controller, [control_metrics(controller, run, reference)], ""),
     ]
 
@@ -370,24 +371,18 @@ def _metric_variables(
     controller: "Cascade", metrics: list["ControlMetrics"], dims: str
 ) -> list[tuple]:
     """Control metrics of one run, or of several along the dimension `dims`."""
-    unit, force = _output_units(controller)
-    units = {
-        "drawdown": unit, "dip": "N", "rms": unit, "largest_error": unit, "lag": "s",
-        "supply_energy": "J", "fluid": "kg", "first": "s", "last": "s", "short": force,
-    }  # fmt: skip
-    rows = []
-    for name, about in _METRICS.items():
+    rows, units = [], _output_units(controller)
+    for name, unit, about in _METRICS:
         values = [getattr(run, name) for run in metrics]
         values = values if dims else values[0]
-        rows.append((f"control_{name}", dims, values, units.get(name, "-"), about))
+        rows.append((f"control_{name}", dims, values, units.get(unit, unit), about))
     return rows
 
 
-def _output_units(controller: "Cascade") -> tuple[str, str]:
-    """Units of the controlled output, and of its forces."""
+def _output_units(controller: "Cascade") -> dict[str, str]:
     unit = controller.plant.load.unit
     force = "N·m" if unit == "rad" else "N"
-    return (unit if controller.of == "position" else force), force
+    return {"output": unit if controller.of == "position" else force, "force": force}
 
 
 def _si_array(values: Values, name: str, unit: str) -> np.ndarray:
