@@ -28,12 +28,8 @@ from .schema import BundleSection, FileLocation
 
 _MAX_FILE_SIZE = 1_000_000  # bytes; a muscle takes 500
 # dimensions of a muscle's sizes
-_SIZES = {
-    "length": "length",
-    "outer_radius": "length",
-    "wall_thickness": "length",
-    "braid_angle": "angle",
-}
+_SIZES = dict.fromkeys(("length", "outer_radius", "wall_thickness"), "length")
+_SIZES |= {"braid_angle": "angle"}
 _CALIBRATION = "calibration"
 
 

@@ -52,7 +52,6 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
         "units": ("spool",),
     },
     "motion": {"position": ("load",), "pressures": ("run", "pressures")},
-    "correction": {"path": ()},
     "part": {"gas": ("medium",), "liquid": ("medium",)},
 }
 # tables that only one kind of file has, and its command; scenarios may have a muscle, too
@@ -235,13 +234,7 @@ _PRICE = re.compile(
 _MAX_PRICE = 1e9  # of a currency: more is a slip
 _MAX_BLOCK = 2**20  # designs: their arrays still fit into memory
 _MAX_DRAWS = 100_000  # of a design: an hour
-# examples in errors, by dimension
-_EXAMPLES = {
-    None: "95 EUR",
-    "length": "40 EUR/m",
-    "volume": "0.025 EUR/m^3",
-    "energy": "0.30 EUR/kWh",
-}
+_PRICED = {None: "", "length": "/m", "volume": "/m^3", "energy": "/kWh"}  # units of examples
 
 
 def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
@@ -250,7 +243,7 @@ def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
     """
     value = repr(text)
     value = value if len(value) <= 60 else f"{value[:40]}…{value[-1]}"
-    rule = f'`{name}` must be a price, such as "{_EXAMPLES[dimension]}", got {value}'
+    rule = f'`{name}` must be a price, such as "95 EUR{_PRICED[dimension]}", got {value}'
     if not isinstance(text, str) or len(text) > 60 or not (match := _PRICE.fullmatch(text)):
         raise ValueError(f"{rule}.")
     sign, digits, code, unit = match.groups()
@@ -291,21 +284,11 @@ def _quantity_parser(dimension: str) -> BeforeValidator:
     return BeforeValidator(parse_quantities)
 
 
-def _entry_validator(kind: type, rule: str) -> BeforeValidator:
-    """Validator of an entry of a `kind`, `rule` in words, or a list of them, to a tuple."""
-
-    def check_entries(value: Any, info: Any) -> tuple[Any, ...]:
-        entries = value if isinstance(value, list) else [value]
-        if not entries or any(type(entry) is not kind for entry in entries):
-            raise InvalidInputError(info.field_name, f"must be {rule}, or a list of them", None)
-        return tuple(entries)
-
-    return BeforeValidator(check_entries)
-
-
+# one entry stands for a list of it
+_LIST = BeforeValidator(lambda value: value if isinstance(value, list) else [value])
 PriceEach = Annotated[Price, _price_parser(None)]
-Names = Annotated[tuple[str, ...], _entry_validator(str, "a name")]
-Integers = Annotated[tuple[int, ...], _entry_validator(int, "a whole number")]
+Names = Annotated[tuple[StrictStr, ...], Field(min_length=1), _LIST]
+Integers = Annotated[tuple[StrictInt, ...], Field(min_length=1), _LIST]
 Lengths = Annotated[tuple[float, ...], _quantity_parser("length")]
 Angles = Annotated[tuple[float, ...], _quantity_parser("angle")]
 Forces = Annotated[tuple[float, ...], _quantity_parser("force")]
@@ -390,13 +373,6 @@ class ProductSection(TableModel):
     source: StrictStr | None = None
 
 
-# [design.catalog] is a list of one product
-_Products = Annotated[
-    list[ProductSection],
-    BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
-]
-
-
 class CatalogFile(TableModel):
     """A catalog file."""
 
@@ -427,7 +403,7 @@ class DesignSection(TableModel):
     unit_factors: Numbers | None = None
     buckling: StrictStr | None = None
     density: Annotated[float, Quantity("density")] | None = None
-    catalog: PlainOrTable[StrictStr, _Products] | None = None
+    catalog: PlainOrTable[StrictStr, Annotated[list[ProductSection], _LIST]] | None = None
 
 
 class SweepSection(TableModel):

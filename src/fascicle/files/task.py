@@ -102,7 +102,9 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     task = _task(file.task, root.child("task"))
     limits_location = root.child("limits", kind="limits")
     limit_entries = dict(file.limits or {})
-    probability = _safety(limit_entries.pop(_SAFETY, USUAL_SHARE), limits_location)
+    rule = 'must be a share of the draws above 0 and below 1, such as "95 %".'
+    safety = limit_entries.pop(_SAFETY, USUAL_SHARE)
+    probability = _share(safety, lambda x: 0 < x < 1, limits_location, (_SAFETY,), rule)
     limits, least_margin = _limits(limit_entries, limits_location)
     senses = _senses(file.objectives, root.child("objectives", kind="objectives"))
     with limits_location.error_context():
@@ -276,12 +278,6 @@ def _drawing(name: str, section: DesignSection, location: FileLocation, folder: 
             law: Any = BUCKLING_LAWS[check_choice(section.buckling, BUCKLING_LAWS, "buckling")]
             muscle = with_fields(muscle, buckling=law())
         return muscle
-
-
-def _safety(entry: Any, location: FileLocation) -> float:
-    """Share of the draws in which a recommended design must hold [-]."""
-    rule = 'must be a share of the draws above 0 and below 1, such as "95 %".'
-    return _share(entry, lambda x: 0 < x < 1, location, (_SAFETY,), rule)
 
 
 def _share(

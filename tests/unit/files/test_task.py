@@ -123,7 +123,7 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
         ('muscles = 2\n[limits]\nsafety = "100 %"\n', "a share of the draws above 0 and below 1"),
         ('muscles = 2\n[scatter]\nwall_thickness = "60 %"\n', "`wall_thickness` must lie in"),
         ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block = 0: must be"),
-        ("muscles = 2.5\n", "must be a whole number, or a list of them"),
+        ("muscles = 2.5\n", "design.muscles[0]: must be a whole number"),
         ('muscles = 2\n[limits]\nmargin = "9 N"\n', "must be a share in [0, 10]"),
         ('muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n', "'N' is no unit of length"),
         ('muscles = 2\nunit_factors = "-1"\n', "`unit_factors` must lie in"),
