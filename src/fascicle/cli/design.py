@@ -1,6 +1,5 @@
 """Commands that look for a bundle for a task: `design`, and `sweep` on many workers."""
 
-import contextlib
 import json
 import sys
 import time
@@ -246,11 +245,9 @@ def sweep(
     for library in ["zarr"] if workers == 0 else ["zarr", "distributed", "cryptography"]:
         require(library)
     load_laws()
-
+    from ..design import sweep as sweeps
     from ..design.exhaustive_search import conclude
-    from ..design.objectives import check_search, recorded_objectives, with_reach_limits
-    from ..design.sweep import Study, open_client, open_folder
-    from ..design.sweep import sweep as evaluate
+    from ..design.objectives import recorded_objectives, with_reach_limits
     from ..files.task import load_task
     from ..results.design_tables import case_variables, front_variables
     from ..results.labelled import write
@@ -258,31 +255,29 @@ def sweep(
     folder = Path(f"swept-{Path(study).stem}" if out is None else out)
     with user_errors(), status("reading the task"):  # before a cluster is started
         task = load_task(study)
-        check_search(task.senses, task.limits)
         names = recorded_objectives(task.senses, with_reach_limits(task.limits))
-        designs = Study(task.space, task.task, names, task.block)
-        path, front = open_folder(folder, designs, resume), folder / "front.nc"
+        designs = sweeps.Study(task.space, task.task, names, task.block)
+        path, front = sweeps.open_folder(folder, designs, resume), folder / "front.nc"
         check_file("--out", front, overwrite or resume)
     hint = f"the finished blocks are in {folder}: continue with --resume."
-    with status("starting the workers") as update, contextlib.ExitStack() as stack:
+    try:
+        start = status("starting the workers")
+        with start as update, sweeps.open_client(scheduler, workers) as client:
 
-        def watch(done: int, blocks: int) -> None:
-            update(f"blocks: {done} of {blocks}")
-            is_tenth = 10 * done // blocks > 10 * (done - 1) // blocks
-            if is_tenth and not sys.stderr.isatty():
-                sys.stderr.write(f"{done} of {blocks} blocks\n")
+            def watch(done: int, blocks: int) -> None:
+                update(f"blocks: {done} of {blocks}")
+                if 10 * done // blocks > 10 * (done - 1) // blocks and not sys.stderr.isatty():
+                    sys.stderr.write(f"{done} of {blocks} blocks\n")
 
-        try:
-            client = None if workers == 0 else stack.enter_context(open_client(scheduler, workers))
-            values = evaluate(designs, path, client, watch)
-        except KeyboardInterrupt:
-            print_line(f"interrupted; {hint}", error=True)
-            raise
-        except ConnectionError as error:
-            raise StoppedError(f"no workers: {error}; {hint}") from None
-        except OSError as error:
-            name, reason = error.filename or folder, error.strerror or error
-            raise UserError(f"{name}: {reason}; remove the cause; {hint}") from None
+            values = sweeps.sweep(designs, path, client, watch)
+    except KeyboardInterrupt:
+        print_line(f"interrupted; {hint}", error=True)
+        raise
+    except ConnectionError as error:
+        raise StoppedError(f"no workers: {error}; {hint}") from None
+    except OSError as error:
+        name, reason = error.filename or folder, error.strerror or error
+        raise UserError(f"{name}: {reason}; remove the cause; {hint}") from None
     with status("looking for the front") as update, user_errors():
         problem = (task.space, task.task, task.senses, task.limits)
         result = conclude(*problem, values, (), task.catalog, task.least_margin)

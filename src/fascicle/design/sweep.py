@@ -8,6 +8,7 @@ worker can compute any block, again if need be, to the same bits.
 import asyncio
 import contextlib
 import copy
+import itertools
 import logging
 import signal
 from collections.abc import Callable, Iterator
@@ -33,13 +34,15 @@ DATA = "designs.zarr"
 _MAX_SIZE = 1_000_000  # bytes of its description; it takes two thousand
 _CONNECTION_TIME = 20.0  # s until a scheduler counts as absent
 _QUEUE_TIME = 600.0  # s that a scheduler's workers may take to come; clusters have queues
+_LOCAL = {"threads_per_worker": 1, "memory_limit": 0, "silence_logs": logging.CRITICAL}
+_NO_DASHBOARD = {"dashboard_address": "127.0.0.1:0", "scheduler_kwargs": {"dashboard": False}}
 _NO_PAGES = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Study: designs of a `space` to evaluate for a `task`; `names` of the recorded objectives;
-    `block`: number of designs computed together.
+    """Designs of a `space` to evaluate for a `task`: `names` of the recorded objectives; `block`:
+    number of designs computed together.
     """
 
     space: Space
@@ -64,23 +67,25 @@ def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
 
     path, names = folder / DATA, list(study.names)
     digest = tokenize(__version__, study.space, study.task, names, study.block)
-    former, fault = "", ""
-    if exists := (path / "zarr.json").exists():
+    exists, former, fault = (path / "zarr.json").exists(), None, ""
+    if exists:
         read_bytes(path / "zarr.json", _MAX_SIZE, "sweep's array")  # zarr waits for ever at a pipe
         # there is no end to what a damaged file can provoke
         with contextlib.suppress(Exception):
             former = zarr.open_array(path, mode="r").attrs.get("study")
-        if former != digest:
-            fault = "holds another study's results; nothing was changed. Name another folder"
-        elif not resume:
-            fault = "holds a sweep already; continue with --resume"
-    elif folder.is_dir() and any(entry.name != DATA for entry in folder.iterdir()):
+    if exists and former != digest:
+        fault = "holds another study's results; nothing was changed. Name another folder"
+    elif exists and not resume:
+        fault = "holds a sweep already; continue with --resume"
+    elif not exists and folder.is_dir() and any(file.name != DATA for file in folder.iterdir()):
         fault = "exists and is no sweep: name a new folder"
     elif resume and not folder.is_dir():
         fault = "holds no sweep to resume: leave --resume out"
     if fault:
         raise ValueError(f"{folder}: {fault}.")
     if not exists:
+        units = [OBJECTIVES[name].unit for name in names]
+        attributes = {"study": digest, "fascicle": __version__, "objectives": names, "units": units}
         zarr.create_array(
             path,
             shape=(len(study.space), len(names)),
@@ -89,12 +94,7 @@ def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
             compressors=None,
             fill_value=np.nan,
             dimension_names=("design", "objective"),
-            attributes={
-                "study": digest,
-                "fascicle": __version__,
-                "objectives": names,
-                "units": [OBJECTIVES[name].unit for name in names],
-            },
+            attributes=attributes,
         )
     return path
 
@@ -107,7 +107,7 @@ def missing_blocks(path: Path, study: Study) -> list[int]:
 
 
 def compute_block(block: int, study: Study, path: str) -> int:
-    """Compute and write a `block`, counted from 0, and return its number: the task of a worker."""
+    """Compute and write a `block`, counted from 0, and return its number."""
     import zarr
 
     index = np.arange(block * study.block, min((block + 1) * study.block, len(study.space)))
@@ -132,13 +132,9 @@ def sweep(
     """
     import zarr
 
-    path = path.resolve()
-    missing = missing_blocks(path, study)
-    results = (compute_block(block, study, str(path)) for block in missing)
-    if client is not None:
-        results = _distribute(client, study, str(path), missing)
-    watch(study.blocks - len(missing), study.blocks)
-    for count, _ in enumerate(results, start=1):
+    path, missing = path.resolve(), missing_blocks(path, study)
+    results = _distribute(client, study, str(path), missing)
+    for count, _ in enumerate(itertools.chain([None], results)):
         watch(study.blocks - len(missing) + count, study.blocks)
     for draft in path.rglob("*.partial"):  # of killed writers
         draft.unlink(missing_ok=True)
@@ -146,8 +142,13 @@ def sweep(
     return dict(zip(study.names, array[:].T, strict=True))
 
 
-def _distribute(client: "Client", study: Study, path: str, blocks: list[int]) -> Iterator[int]:
+def _distribute(
+    client: "Client | None", study: Study, path: str, blocks: list[int]
+) -> Iterator[int]:
     """Numbers of `blocks` as workers finish them; those of workers that died run again."""
+    if client is None:
+        yield from (compute_block(block, study, path) for block in blocks)
+        return
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker, as_completed
@@ -166,31 +167,28 @@ def _distribute(client: "Client", study: Study, path: str, blocks: list[int]) ->
 
 
 @contextlib.contextmanager
-def open_client(scheduler: str | None = None, workers: int | None = None) -> Iterator["Client"]:
+def open_client(
+    scheduler: str | None = None, workers: int | None = None
+) -> Iterator["Client | None"]:
     """Context of a Dask client of a `scheduler` at an address, "tcp://…", or of `workers` on this
-    machine [-], one for each core by default, which end with it.
+    machine [-], one for each core by default, which end with it; of none for no `workers`.
 
     Clients of a scheduler can run anything on its workers: the local one asks for a certificate
     that only its own workers have. Raises `ConnectionError` if there are no workers.
     """
+    if workers == 0:
+        yield None
+        return
     from dask import config
     from distributed import Client, LocalCluster
 
-    cluster: Any = scheduler
+    cluster = scheduler
     with contextlib.ExitStack() as stack, config.set(_NO_PAGES if scheduler is None else {}):
         try:
             if scheduler is None:
-                make: Any = LocalCluster
+                options: Any = _LOCAL | _NO_DASHBOARD
                 with _without_interrupts():
-                    cluster = make(
-                        n_workers=workers,
-                        threads_per_worker=1,
-                        memory_limit=0,
-                        security=True,
-                        dashboard_address="127.0.0.1:0",
-                        scheduler_kwargs={"dashboard": False},
-                        silence_logs=logging.CRITICAL,
-                    )
+                    cluster = LocalCluster(n_workers=workers, security=True, **options)
                 stack.enter_context(cluster)
             else:  # a client that can't connect logs errors until this process ends
                 logging.getLogger("distributed").setLevel(logging.CRITICAL)
@@ -207,7 +205,7 @@ def open_client(scheduler: str | None = None, workers: int | None = None) -> Ite
 async def _try_connection(scheduler: str) -> None:
     """Raise an error if no `scheduler` answers at its address: a client would wait for ever."""
     from distributed import Security
-    from distributed.comm import connect
+    from distributed.comm.core import connect
 
     arguments = Security().get_connection_args("client") if scheduler.startswith("tls") else {}
     try:
