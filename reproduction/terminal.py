@@ -1,16 +1,19 @@
 """Claims and comparisons with measured records on the terminal: a summary, and tables."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from fascicle.cli.outputs import print_line, print_table
+from fascicle.cli.errors import INCOMPLETE, user_errors
+from fascicle.cli.terminal import print_line, print_table, print_written, status
+from fascicle.io import atomic
 
 from .claims import KINDS, Claim, failed, of_kind, summary
 
@@ -18,13 +21,73 @@ from .claims import KINDS, Claim, failed, of_kind, summary
 if TYPE_CHECKING:
     from .measurements import RecordComparison
 
-__all__ = ["failed", "print_claims", "print_comparisons", "verdict_lines"]
+__all__ = [
+    "failed",
+    "kim2021",
+    "measurements",
+    "print_claims",
+    "print_comparisons",
+    "verdict_lines",
+]
 
 _STYLES = {
     "holds": "green", "chosen": "", "by definition": "", "not testable here": "",
     "differs": "yellow", "fails": "bold red",
 }  # fmt: skip
 _WIDEST = 40  # characters of a law's label in a line
+
+
+def measurements(folder: Path, overwrite: bool, verbose: bool) -> int:
+    """Compare every law with every measured record that is available; returns the exit code."""
+    from . import measurements
+
+    with status("reading the records"):
+        records = measurements.measured_records()
+    omitted: dict[str, list[str]] = {}  # names by reason
+    for record in records:
+        if record.left_out:
+            omitted.setdefault(record.left_out, []).append(record.name)
+    if is_measured := any(not record.left_out for record in records):
+        comparisons, names = _write(
+            folder, overwrite, lambda draft, update: measurements.run(draft, records, update)
+        )
+        print_comparisons(comparisons, verbose)
+        print_line(measurements.UNTESTED[0])
+        print_written(folder, names, verbose)
+    for reason, names in omitted.items():
+        print_line(f"omitted, {reason}: {', '.join(names)}")
+    if not is_measured:
+        print_line(measurements.no_records_message())
+    return INCOMPLETE if omitted else 0
+
+
+def kim2021(folder: Path, overwrite: bool, verbose: bool) -> int:
+    """Draw the paper's figures, and check its claims; returns the exit code."""
+    from .kim2021 import reproduction
+
+    def run(draft: Path, update: Callable[[str], None]) -> list[Claim]:
+        def show(done: int, total: int, figure: str) -> None:
+            update(f"{figure}, {done} of {total}")
+
+        return reproduction.run(draft, show)
+
+    claims, names = _write(folder, overwrite, run)
+    print_claims(claims, verbose)
+    print_written(folder, names, verbose)
+    return 1 if failed(claims) else 0
+
+
+def _write(
+    folder: Path, overwrite: bool, run: Callable[[Path, Callable[[str], None]], list[Any]]
+) -> tuple[list[Any], list[str]]:
+    """Results of a `run`, and the names of the files that it wrote into the folder."""
+    results: list[Any] = []
+    with user_errors("--out "), status("computing") as update:
+
+        def fill(draft: Path) -> None:
+            results.extend(run(draft, update))
+
+        return results, atomic.write_folder(folder, fill, overwrite)
 
 
 def verdict_lines(claims: Sequence[Claim]) -> list[str]:

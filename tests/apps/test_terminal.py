@@ -101,7 +101,7 @@ def test_of_a_files_own_name(fascicle, tmp_path):
 
 def test_of_what_is_being_done(monkeypatch):
     """On a terminal, where a line moves by escape sequences of its own."""
-    from fascicle.cli.outputs import status
+    from fascicle.cli.terminal import status
 
     class Terminal(io.StringIO):
         def isatty(self):

@@ -58,20 +58,12 @@ def make_app() -> "typer.Typer":
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-
-    def print_version(value: bool) -> None:
-        if value:
-            from fascicle import __version__
-
-            typer.echo(f"fascicle {__version__}")
-            raise typer.Exit
+    version = typer.Option(
+        False, "--version", callback=_print_version, is_eager=True, help="Version number."
+    )
 
     @app.callback()
-    def _(
-        _: bool = typer.Option(
-            False, "--version", callback=print_version, is_eager=True, help="Version number."
-        ),
-    ) -> None:
+    def _(_: bool = version) -> None:
         pass
 
     for family in _FAMILIES:
@@ -80,6 +72,16 @@ def make_app() -> "typer.Typer":
         for name, run in module.COMMANDS.items():
             app.command(name, cls=classes.get(name, Command))(run)
     return app
+
+
+def _print_version(value: bool) -> None:
+    if value:
+        import typer
+
+        from fascicle import __version__
+
+        typer.echo(f"fascicle {__version__}")
+        raise typer.Exit
 
 
 def _run_command(arguments: list[str]) -> tuple[int, str]:

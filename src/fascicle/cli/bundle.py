@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import options
 from .errors import UserError, exit_incomplete, user_errors
 from .inputs import check_grid, read_bundle, read_list, read_rising_strains, read_states
 from .options import Text, option, with_options
-from .outputs import Outputs, count_decimals, kilopascals, number, print_table, print_text, status
+from .outputs import Outputs
+from .terminal import count_decimals, grid, kpa, number, print_table, print_text, status
 
 
 if TYPE_CHECKING:
@@ -48,14 +49,9 @@ def bundle(
 
     def table() -> None:
         print_states(variables)
-        force = variables["force"].values
-        decimals = count_decimals(force.ravel())
-        rows = [
-            [f"{strain:.6g}", *(number(value, decimals) for value in values)]
-            for strain, values in zip(strains, force.T, strict=True)
-        ]
-        heads = ["strain [-]", *(f"state {state + 1} [N]" for state in range(len(force)))]
-        print_table("Force by strain", heads, rows)
+        forces = grid(variables["force"].values.T)
+        rows = [[f"{x:.6g}", *row] for x, row in zip(strains, forces, strict=True)]
+        print_table("Force by strain", ["strain [-]", *_state_heads(len(states))], rows)
 
     def figure() -> Any:
         from ..plot.curves import bundle_force_strain, smooth
@@ -84,20 +80,22 @@ def print_states(variables: Mapping[str, "Variable"]) -> None:
     columns, rows = [variables[name].values.tolist() for name in names], []
     if finite := [strain for strain in columns[1] if math.isfinite(strain)]:
         limits = sorted({number(strain, 4) for strain in (min(finite), max(finite))})
-        count = len(columns[1])
-        states = "the state" if count == 1 else f"{count} states"
+        states = f"{len(columns[1])} states" if len(columns[1]) > 1 else "the state"
         print_text(f"Free strain of {states}: {' to '.join(limits)}.")
-    for pressures, free, *equilibria in zip(*columns, strict=True):
-        strains = [
-            number(strain, 4) + ("" if is_stable else " u")
-            for strain, is_stable in zip(*equilibria, strict=True)
-            if math.isfinite(strain)  # a row with fewer equilibria is filled with NaN
-        ]
-        cells = [*map(kilopascals, pressures), number(free, 4), ", ".join(strains)]
+    for pressures, free, equilibria, stable in zip(*columns, strict=True):
+        pairs = zip(equilibria, stable, strict=True)
+        texts = [number(strain, 4) + ("" if is_stable else " u") for strain, is_stable in pairs]
+        # a row with fewer equilibria is filled with NaN
+        strains = ", ".join(text for text in texts if not text.startswith("-"))
+        cells = [*map(kpa, pressures), number(free, 4), strains]
         rows.append([f"{len(rows) + 1}", *cells])
     heads = ["state", *_unit_heads(variables), "free strain [-]", "equilibria [-]"]
     caption = "" if all(map(all, columns[3])) else _UNSTABLE
     print_table("Free strain and equilibria without load", heads, rows, caption)
+
+
+def _state_heads(count: int) -> list[str]:
+    return [f"state {state} [N]" for state in range(1, count + 1)]
 
 
 def _unit_heads(variables: Mapping[str, "Variable"]) -> list[str]:
@@ -147,11 +145,11 @@ def space(
 
 def _print_space(variables: Mapping[str, "Variable"], units: int) -> None:
     values = {name: variable.values for name, variable in variables.items()}
-    strains, high, low = values["strain"], values["high"], values["low"]
+    strains, high = values["strain"], values["high"]
     decimals = count_decimals(high.ravel())
     print_text(
         f"{units} motor unit{'s' * (units > 1)}, {values['scheme']} recruitment, supply pressure"
-        f" {kilopascals(values['supply_pressure'])} kPa: forces up to"
+        f" {kpa(values['supply_pressure'])} kPa: forces up to"
         f" {number(high.max(), decimals)} N at a strain of"
         f" {strains[high.max(axis=0).argmax()]:.4g}."
     )
@@ -173,26 +171,38 @@ def _print_space(variables: Mapping[str, "Variable"], units: int) -> None:
         print_table("Overlap of states", heads, rows)
     elif units > 1:
         print_text("One state reaches the whole workspace: there is no overlap.")
-    rows = []
-    for j in range(0, len(strains), max(1, round(len(strains) / _ROWS))):
-        ends = [[number(force, decimals) for force in edge[:, j]] for edge in (low, high)]
-        ranges = [f"{least} to {largest}" for least, largest in zip(*ends, strict=True)]
-        rows.append([f"{strains[j]:.4g}", *ranges])
-    heads = ["strain [-]", *(f"state {state + 1} [N]" for state in range(len(high)))]
-    print_table("Range of force of each state", heads, rows)
+    ends = zip(
+        grid(values["low"].T, decimals),
+        grid(high.T, decimals),
+        strict=True,
+    )
+    rows = [
+        [f"{strain:.4g}", *map(" to ".join, zip(low, top, strict=True))]
+        for strain, (low, top) in zip(strains, ends, strict=True)
+    ]
+    step = max(1, round(len(strains) / _ROWS))
+    heads = ["strain [-]", *_state_heads(len(high))]
+    print_table("Range of force of each state", heads, rows[::step])
 
 
+class JointDemand(NamedTuple):
+    """Options of a joint that two bundles pull in opposite directions."""
+
+    torque: Text = option("Demanded torques of a joint that two of FILE pull (5N*m).", "LIST")
+    stiffness: Text = option("Demanded stiffness of the joint (60N*m/rad).", "VALUE")
+    angle: Text = option("Angle of the joint (10deg).", "VALUE")
+    moment_arm: Text = option("Moment arm of the joint (50mm).", "VALUE")
+
+
+@with_options("joint", JointDemand)
 def recruit(
+    joint: JointDemand,
     file: options.Target,
     units: options.Units = None,
     force: Text = option("Demanded forces: 40N, or 20N,40N, or 0N:100N:10N.", "LIST", "--force -f"),
     strain: str = option(
         "Contractions; of a joint, that of both sides at the angle 0.", "LIST", "--strain -s", ...
     ),
-    torque: Text = option("Torques of a joint that two of these pull (5N*m).", "LIST"),
-    stiffness: Text = option("Demanded stiffness of the joint (60N*m/rad).", "VALUE"),
-    angle: Text = option("Angle of the joint (10deg).", "VALUE"),
-    moment_arm: Text = option("Moment arm of the joint (50mm).", "VALUE"),
     supply: options.Supply = None,
     scheme: options.Scheme = None,
     no_resistance: options.NoResistance = False,
@@ -206,14 +216,10 @@ def recruit(
     Of several solutions, the one that takes the least fluid comes first; the table lists the
     others. With --torque, --stiffness, --angle and --moment-arm: the pressures of a joint.
     """
-    joint = {
-        "--torque": torque,
-        "--stiffness": stiffness,
-        "--angle": angle,
-        "--moment-arm": moment_arm,
-    }
-    if force is None and (missing := [name for name, text in joint.items() if text is None]):
-        raise UserError(f"recruit needs --force, or of a joint {', '.join(missing)}, too.")
+    missing = [name for name, text in joint._asdict().items() if text is None]
+    if force is None and missing:
+        names = ", ".join(f"--{name.replace('_', '-')}" for name in missing)
+        raise UserError(f"recruit needs --force, or of a joint {names}, too.")
     outputs = Outputs(as_json, as_csv, out, None, overwrite)
     if force is None:
         _recruit_joint(file, units, joint, strain, supply, outputs)
@@ -229,7 +235,10 @@ def recruit(
     from ..results.tables import recruited
 
     demands = np.array(forces)
-    with status(f"finding the pressures of {len(forces) * len(strains)} demands"), user_errors():
+    with (
+        status(f"finding the pressures of {len(forces) * len(strains)} demands"),
+        user_errors(),
+    ):
         result = recruitment.recruit(
             target, demands[:, None], strains, supply, scheme, resistance=not no_resistance
         )
@@ -247,13 +256,13 @@ def recruit(
 def _recruit_joint(
     file: str,
     units: str | None,
-    joint: dict[str, Any],
+    joint: JointDemand,
     strain: str,
     supply: str | None,
     outputs: Outputs,
 ) -> None:
-    """Find the pressures of a `joint`'s options, with a file's muscle or bundle on both sides."""
-    torques = read_list(joint["--torque"], "moment", "--torque")
+    """Find the pressures of a `joint`, with a file's muscle or bundle on both sides."""
+    torques = read_list(joint.torque or "", "moment", "--torque")
     target = read_bundle(file, units)
     from ..control import Joint
     from ..results.tables import joint_pressures
@@ -261,11 +270,11 @@ def _recruit_joint(
     with user_errors():
         if supply is not None:
             target = target.replace(supply_pressure=supply)
-        made = Joint(target, target, joint["--moment-arm"], strain)
-        result = made.pressures(joint["--angle"], torques, joint["--stiffness"])
+        made = Joint(target, target, joint.moment_arm, strain)
+        result = made.pressures(joint.angle, torques, joint.stiffness)
     heads = ["torque [N·m]", "agonist [kPa]", "antagonist [kPa]", "stiffness [N·m/rad]", "status"]
     rows = [
-        [f"{T:.6g}", kilopascals(P1), kilopascals(P2), f"{K:.6g}", f"{code}"]
+        [f"{T:.6g}", kpa(P1), kpa(P2), f"{K:.6g}", f"{code}"]
         for P1, P2, T, K, code in zip(*result, strict=True)
     ]
     caption = "status: 0 reached, 1 stiffness too high, 2 too low, 3 torque out of reach"
@@ -288,12 +297,12 @@ def _print_pressures(variables: Mapping[str, "Variable"], is_free: bool) -> None
         names = ("pressure", "state", "stable")
         solutions = zip(*(values[f"solution_{name}"][index] for name in names), strict=True)
         alternatives = [
-            f"{other}: {kilopascals(pressure)} kPa{'' if is_stable else ' u'}"
+            f"{other}: {kpa(pressure)} kPa{'' if is_stable else ' u'}"
             for pressure, other, is_stable in solutions
             if other and (pressure, other) != (values["throttled_pressure"][index], state)
         ]
         mark = "" if values["stable"][index] else " u"
-        pressures = map(kilopascals, values["pressures"][index])
+        pressures = map(kpa, values["pressures"][index])
         cells = [f"{state}", *pressures, force + mark, "\n".join(alternatives) or "-"]
         rows.append([demand, strain, *cells])
         if code:
@@ -375,7 +384,7 @@ def efficiency(
 
 
 def _print_efficiency(variables: Mapping[str, "Variable"], points: bool) -> None:
-    values = {name: variable.values.tolist() for name, variable in variables.items()}
+    values = {name: variable.values for name, variable in variables.items()}
     columns = (values[name] for name in ("path", "average", "reached"))
     for path, average, fraction in zip(*columns, strict=True):
         print_text(
@@ -386,12 +395,12 @@ def _print_efficiency(variables: Mapping[str, "Variable"], points: bool) -> None
         return
     forces = [f"{force:.6g}" for force in values["force"]]
     strains = [f"{strain:.4g}" for strain in values["strain"]]
-    for path, grid in zip(values["path"], values["efficiency"], strict=True):
-        cells = [[number(value, 4) for value in row] for row in grid]
-        heads, labels = ["force [N]", *(f"strain {strain}" for strain in strains)], forces
+    for path, matrix in zip(values["path"], values["efficiency"], strict=True):
+        cells, labels = grid(matrix, 4), forces
+        heads = ["force [N]", *(f"strain {strain}" for strain in strains)]
         if len(strains) > len(forces):  # the longer list runs down the page
-            heads, labels = ["strain [-]", *(f"{force} N" for force in forces)], strains
-            cells = [[*column] for column in zip(*cells, strict=True)]
+            cells, labels = grid(matrix.T, 4), strains
+            heads = ["strain [-]", *(f"{force} N" for force in forces)]
         rows = [[label, *row] for label, row in zip(labels, cells, strict=True)]
         caption = "-: out of reach" if any("-" in row for row in cells) else ""
         print_table(f"Efficiency [-], {path}", heads, rows, caption)

@@ -9,22 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core.errors import require
+from ..io import atomic
 from ..io.sanitize import dump_json
 from . import options
 from .errors import INCOMPLETE, StoppedError, UserError, user_errors
 from .inputs import load_laws
 from .options import Text, argument, flag, option
-from .outputs import (
-    SOURCE,
-    check_file,
-    print_line,
-    print_table,
-    replace_output,
-    result_folder,
-    status,
-    today,
-    write_folder,
-)
+from .outputs import SOURCE, check_file, replace_output, result_folder, today
+from .terminal import print_line, print_table, status
 
 
 if TYPE_CHECKING:
@@ -163,7 +155,8 @@ def _write(
         for name, variables in data.items():
             write_netcdf(dataset(variables, **attributes), draft / name)
 
-    write_folder(folder, overwrite, fill)
+    with user_errors("--out "):
+        atomic.write_folder(folder, fill, overwrite)
     return ["report.html", *data, *bundles]
 
 

@@ -7,7 +7,8 @@ from . import options
 from .errors import UserError, user_errors
 from .inputs import is_scenario, read_bundle, read_list, read_scenario, read_target
 from .options import Text, option
-from .outputs import Outputs, check_file, print_line, replace_output, status, write_text
+from .outputs import Outputs, check_file, replace_output, write_text
+from .terminal import print_line, status
 
 
 _ENDINGS = {"--fmu": [".fmu"], "--page": [".html", ".htm"], "--opensim": [".xml"]}
@@ -138,7 +139,10 @@ def _write_fmu(
     from ..export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
 
     message = ""
-    with status("computing the table, building the unit"), replace_output("", fmu, overwrite) as x:
+    with (
+        status("computing the table, building the unit"),
+        replace_output("", fmu, overwrite) as x,
+    ):
         try:
             write_fmu(target, x, name, sample_time, platform)
         except UnbuiltUnitError as error:

@@ -1,5 +1,6 @@
 """Inputs of commands: muscles, bundles, scenarios, quantities; loading of the laws."""
 
+import contextlib
 import difflib
 import itertools
 import logging
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ..io.sanitize import sanitize_line
 from ..units import parse_list
 from .errors import UserError, user_errors
-from .outputs import status
+from .terminal import status
 
 
 if TYPE_CHECKING:
@@ -52,12 +53,11 @@ def _cache_folder() -> Path | None:
     if os.environ.get("FASCICLE_NO_CACHE", "") not in ("", "0"):
         return None
     variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
-    try:
+    with contextlib.suppress(OSError, RuntimeError, ValueError):  # RuntimeError: no home
         folder = Path(os.environ.get(variable, "") or "~/.cache").expanduser() / "fascicle/compiled"
         folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, RuntimeError, ValueError):  # RuntimeError: no home
-        return None
-    return folder if folder.is_absolute() and os.access(folder, os.W_OK) else None
+        return folder if folder.is_absolute() and os.access(folder, os.W_OK) else None
+    return None
 
 
 def read_target(target: str) -> Any:
@@ -116,11 +116,10 @@ def is_path(target: str) -> bool:
         return False
 
 
-def read_muscle(target: str, remedy: str) -> "Muscle":
+def read_muscle(name: str, remedy: str) -> "Muscle":
     """Read a muscle; `remedy`: advice for a bundle."""
-    muscle = read_target(target)
-    if is_bundle(muscle):
-        raise UserError(f"{target}: a bundle, not a muscle: {remedy}.")
+    if is_bundle(muscle := read_target(name)):
+        raise UserError(f"{name}: a bundle, not a muscle: {remedy}.")
     return muscle
 
 

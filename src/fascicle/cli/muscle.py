@@ -25,19 +25,8 @@ from .inputs import (
     read_target,
 )
 from .options import Text, Texts, argument, complete_target, flag, option, with_options
-from .outputs import (
-    Outputs,
-    check_file,
-    count_decimals,
-    kilopascals,
-    number,
-    print_line,
-    print_table,
-    print_text,
-    replace_output,
-    status,
-    write_text,
-)
+from .outputs import Outputs, check_file, replace_output, write_text
+from .terminal import count_decimals, grid, kpa, number, print_line, print_table, print_text, status
 
 
 if TYPE_CHECKING:
@@ -90,7 +79,7 @@ def force(
 
 def _print_forces(variables: Mapping[str, "Variable"], blocked: float) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
-    labels = [f"{kilopascals(pressure)} kPa" for pressure in values["pressure"]]
+    labels = [f"{kpa(pressure)} kPa" for pressure in values["pressure"]]
     highest = values["pressure"].index(max(values["pressure"]))
     ends = {x: [number(strain, 4) for strain in values[f"{x}_strain"]] for x in _ENDS}
     free, collapse = (texts[highest] for texts in ends.values())
@@ -101,13 +90,15 @@ def _print_forces(variables: Mapping[str, "Variable"], blocked: float) -> None:
     print_text(
         "Positive forces pull. Past the free strain the muscle pushes: its force is negative."
     )
-    decimals = count_decimals(variables["force"].values.ravel())
-    cells = [
-        [f"{number(x, decimals)}{_MARKS[region]}" for x, region in zip(*column, strict=True)]
-        for column in zip(values["force"], values["region"], strict=True)
-    ]
-    rows = [[f"{strain:.6g}", *row] for strain, *row in zip(values["strain"], *cells, strict=True)]
-    marks = {_MARKS[region] for regions in values["region"] for region in regions}
+    forces, regions = (
+        grid(variables["force"].values.T),
+        variables["region"].values.T,
+    )
+    rows = []
+    for strain, *pairs in zip(values["strain"], forces, regions, strict=True):
+        cells = [f"{force}{_MARKS[region]}" for force, region in zip(*pairs, strict=True)]
+        rows.append([f"{strain:.6g}", *cells])
+    marks = {_MARKS[region] for region in regions.ravel()}
     caption = "; ".join(f"{mark}: {text}" for mark, text in _MEANINGS.items() if mark in marks)
     print_table("Force [N]", ["strain [-]", *labels], rows, caption)
     rows = [[label, *texts] for label, texts in ends.items()]
@@ -162,18 +153,19 @@ def free_strain(
 
 
 def _print_free_strains(variables: Mapping[str, "Variable"]) -> None:
-    columns = [[kilopascals(pressure) for pressure in variables["pressure"].values.tolist()]]
-    highest = variables["pressure"].values.argmax()
-    free, blocked = (variables[x].values[highest] for x in ("free_strain", "blocked_force"))
+    values = {name: variable.values for name, variable in variables.items()}
+    highest = values["pressure"].argmax()
+    pressures = [kpa(pressure) for pressure in values.pop("pressure")]
+    free, blocked = values["free_strain"][highest], values["blocked_force"][highest]
     print_text(
-        f"At {columns[0][highest]} kPa: free strain {free:.4f}, blocked force {blocked:.4g} N."
+        f"At {pressures[highest]} kPa: free strain {free:.4f}, blocked force {blocked:.4g} N."
     )
-    for name in [*variables][1:]:
-        values = variables[name].values.tolist()
-        decimals = 4 if name.endswith("strain") else count_decimals(values)
-        columns.append([number(value, decimals) for value in values])
+    columns = []
+    for name, column in values.items():
+        decimals = 4 if name.endswith("strain") else count_decimals(column)
+        columns.append([number(value, decimals) for value in column])
     heads = ["pressure [kPa]", "free strain [-]", "blocked force [N]", "collapse strain [-]"]
-    rows = [*zip(*columns, strict=True)]
+    rows = [*zip(pressures, *columns, strict=True)]
     title = "Free strain, blocked force and collapse"
     print_table(title, [*heads, "collapse moment [N·m]"], rows)
 
@@ -247,39 +239,35 @@ def laws(
     from ..muscle.law import package_of
     from ..muscle.laws import LAWS
 
-    asked = "" if kind is None or kind in LAWS else kind  # one law, by its name
-    kinds = [name for name in LAWS if kind in (None, name)]
-    laws = [(name, law) for name in kinds for law in LAWS[name].values()]
-    if asked:
-        laws = [(name, by_name[asked]) for name, by_name in LAWS.items() if asked in by_name]
-        with user_errors():
-            names = {name for by_name in LAWS.values() for name in by_name.shipped}
-            check_choice(asked, [*LAWS, *sorted(names | {law.name for _, law in laws})], "kind")
-    entries = [
-        {
-            "kind": name,
-            "law": law.name,
-            "constants": [x.name for x in (*law.constants(), *law.switches())],
-            "source": law.source,
-            "package": package_of(law),
-        }
-        for name, law in laws
+    laws = [
+        (name, law)
+        for name, by_name in LAWS.items()
+        for law in by_name.values()
+        if kind in (None, name, law.name)
     ]
+    if not laws:
+        with user_errors():
+            check_choice(
+                kind or "", [*LAWS, *{x for by_name in LAWS.values() for x in by_name}], "kind"
+            )
+    constants = {law: [x.name for x in (*law.constants(), *law.switches())] for _, law in laws}
     if as_json:
-        print(json.dumps(entries))
+        keys = ("kind", "law", "constants", "source", "package")
+        rows = [(x, law.name, constants[law], law.source, package_of(law)) for x, law in laws]
+        print(json.dumps([dict(zip(keys, row, strict=True)) for row in rows]))
         return
-    if asked:
-        for name, law in laws:
+    printed = ""
+    for name, law in laws:
+        if kind == law.name:
             _print_law(name, law)
-        return
-    for name in kinds:
-        print(f"{name} laws, default: {LAWS[name].default.name}")
-        for entry in (entry for entry in entries if entry["kind"] == name):
-            package = "" if entry["package"] == "fascicle" else f" [{entry['package']}]"
-            source = sanitize_line(f"{entry['source']}{package}")
-            print(f"  {sanitize_line(entry['law']):20}{source}")
-            for line in textwrap.wrap(", ".join(entry["constants"]), _WIDTH):
-                print(f"      {line}")
+            continue
+        if name != printed:
+            print(f"{name} laws, default: {LAWS[name].default.name}")
+        printed, package = name, package_of(law)
+        source = law.source if package == "fascicle" else f"{law.source} [{package}]"
+        print(f"  {sanitize_line(law.name):20}{sanitize_line(source)}")
+        for line in textwrap.wrap(", ".join(constants[law]), _WIDTH):
+            print(f"      {line}")
 
 
 def _print_law(kind: str, law: "type[AbstractLaw]") -> None:
@@ -312,21 +300,29 @@ def init(
     from ..files import example_text, scenarios
 
     if protractor is not None:
-        _write_protractor(protractor, overwrite)
+        check_file("--protractor", protractor, overwrite, [".svg", ".pdf", ".png"])
+        from ..plot import protractor as pictures
+        from ..plot import to_bytes
+
+        with replace_output("--protractor", protractor, overwrite) as draft:
+            draft.write_bytes(to_bytes(pictures.protractor(), draft.suffix.lower()[1:]))
+        print_line(f"wrote {protractor}: print it at 100 %")
         if path is None and sleeve is None:
             return
-    if (sleeve is None) != (tube is None):
-        raise UserError("--sleeve and --tube: give both, or none of them.")
-    if sleeve is not None and (task or scenario or example is not None):
-        raise UserError("--sleeve: makes a muscle: drop --task, --scenario and --from.")
-    if (mass is None) != (stroke is None) or (mass is not None and not task):
-        raise UserError("--mass and --stroke: give both, with --task.")
-    if task and example is not None:
-        raise UserError("--task and --from: a task has no example to copy, drop one.")
-    if task and scenario:
-        raise UserError("--task and --scenario: only one file is written, drop one.")
-    if fluid is not None and (not scenario or example is not None):
-        raise UserError("--fluid: chooses the template of a scenario: add --scenario, drop --from.")
+    other = task or scenario or example
+    conflicts = {
+        "--sleeve and --tube: give both, or none of them.": bool(sleeve) != bool(tube),
+        "--sleeve: makes a muscle: drop --task, --scenario and --from.": sleeve and other,
+        "--mass and --stroke: give both, with --task.": bool(mass) != bool(stroke),
+        "--mass: is lifted by a task: add --task.": mass and not task,
+        "--task and --from: a task has no example to copy, drop one.": task and example,
+        "--task and --scenario: only one file is written, drop one.": task and scenario,
+        "--fluid: chooses a scenario's template: add --scenario.": fluid and not scenario,
+        "--fluid and --from: each chooses a scenario, drop one.": fluid and example,
+    }
+    for message, applies in conflicts.items():
+        if applies:
+            raise UserError(message)
     kind = "task" if task else "scenario" if scenario else "muscle"
     path = path or f"{kind}.toml"
     check_file("", path, overwrite)
@@ -358,17 +354,6 @@ def _with_load(text: str, mass: str, stroke: str) -> str:
     _, _, remainder = remainder.partition("# name =")
     load = f'name = "lift"\nforce = "{weight:.6g} N"\nstroke = "{travel:.6g} mm"'
     return f"{head}{load}\n# name ={remainder}"
-
-
-def _write_protractor(path: str, overwrite: bool) -> None:
-    """Write the strip that measures a braid angle."""
-    check_file("--protractor", path, overwrite, [".svg", ".pdf", ".png"])
-    from ..plot import to_bytes
-    from ..plot.protractor import protractor
-
-    with replace_output("--protractor", path, overwrite) as draft:
-        draft.write_bytes(to_bytes(protractor(), draft.suffix.lower()[1:]))
-    print_line(f"wrote {path}: print it at 100 %")
 
 
 def _with_product(text: str, sleeve: str, tube: str) -> str:
@@ -419,10 +404,5 @@ def template(kind: str) -> str:
     return Template(text).substitute(values, schemes=format_names('"', 1))
 
 
-COMMANDS = {
-    "force": force,
-    "free-strain": free_strain,
-    "muscles": muscles,
-    "laws": laws,
-    "init": init,
-}
+COMMANDS = {"force": force, "free-strain": free_strain, "muscles": muscles, "laws": laws}
+COMMANDS["init"] = init

@@ -39,13 +39,8 @@ def option(
 ) -> Any:
     """Typer's description of an option, the default of a command's parameter.
 
-    **Arguments:**
-
-    - `text`: its help.
-    - `metavar`: name of its value.
-    - `names`: its spellings, separated by spaces; default: made of the parameter's name.
-    - `default`: an ellipsis if it is required.
-    - `settings`: further ones of `typer.Option`.
+    `text`: its help; `metavar`: name of its value; `names`: its spellings, separated by spaces, by
+    default made of the parameter's name; `default`: an ellipsis if it is required.
     """
     return typer.Option(default, *names.split(), help=text, metavar=metavar or None, **settings)
 
@@ -94,65 +89,40 @@ def complete_target(incomplete: str) -> list[str]:
     return [name for name in [*named_muscles(), *files] if name.startswith(incomplete)]
 
 
-def _shared(text: str, metavar: str = "", *names: str, **settings: Any) -> Any:
+def _shared(text: str, metavar: str = "", names: str = "", **settings: Any) -> Any:
     """Description of an option in the type of parameters, which have the default."""
-    return typer.Option(*names, help=text, metavar=metavar or None, **settings)
+    return typer.Option(*names.split(), help=text, metavar=metavar or None, **settings)
 
 
+_TARGET = "Muscle or bundle file, or a name from `fascicle muscles` [--measured]."
 Target = Annotated[
-    str,
-    typer.Argument(
-        metavar="FILE",
-        help="Muscle or bundle file, or a name from `fascicle muscles` [--measured].",
-        autocompletion=complete_target,
-    ),
+    str, typer.Argument(metavar="FILE", help=_TARGET, autocompletion=complete_target)
 ]
 DEFAULT_PRESSURE = "0kPa:413.7kPa:68.95kPa"
-Pressures = Annotated[
-    Texts,
-    _shared(
-        "Gauge pressures, a value or range per motor unit: 344.7kPa,0kPa:100kPa:50kPa; repeatable;"
-        " default: the recruitment states at full pressure.",
-        "LIST",
-        "--pressure",
-        "-p",
-    ),
-]
 DEFAULT_STRAIN = "0:0.33:0.03"
-Strain = Annotated[
-    str,
-    _shared("Contractions: 0.1, or 0,0.1, or start:stop:step.", "LIST", "--strain", "-s"),
-]
-RisingStrain = Annotated[
-    Text,
-    _shared("Contractions that rise; default: up to the free strain.", "LIST", "--strain", "-s"),
-]
-NoResistance = Annotated[
-    bool, _shared("Muscles don't push back past their free strain.", "", "--no-resistance")
-]
-Units = Annotated[
-    Text, _shared("Numbers of muscles of the motor units that FILE's muscle makes: 1,4.", "LIST")
-]
+_STATES = (
+    "Gauge pressures, a value or range per motor unit: 344.7kPa,0kPa:100kPa:50kPa; repeatable;"
+    " default: the recruitment states at full pressure."
+)
+Pressures = Annotated[Texts, _shared(_STATES, "LIST", "--pressure -p")]
+_STRAINS = "Contractions: 0.1, or 0,0.1, or start:stop:step"
+Strain = Annotated[str, _shared(f"{_STRAINS}.", "LIST", "--strain -s")]
+_RISING = f"{_STRAINS}, rising; default: up to the free strain."
+RisingStrain = Annotated[Text, _shared(_RISING, "LIST", "--strain -s")]
+NoResistance = Annotated[bool, _shared("No push past the free strain.", "", "--no-resistance")]
+Units = Annotated[Text, _shared("Numbers of FILE's muscle in motor units: 1,4.", "LIST")]
 Supply = Annotated[Text, _shared("Supply pressure; default: the bundle's.", "PRESSURE")]
-Scheme = Annotated[
-    Text,
-    _shared(
-        f"Recruitment scheme: {format_names()}; default: the bundle's.",
-        autocompletion=lambda: list(SCHEMES),
-    ),
-]
+_SCHEME = f"Recruitment scheme: {format_names()}; default: the bundle's."
+Scheme = Annotated[Text, _shared(_SCHEME, autocompletion=lambda: list(SCHEMES))]
 Seed = Annotated[int, _shared("Random seed.", min=0)]
 Json = Annotated[bool, _shared("JSON in SI units on standard output.", "", "--json")]
 Csv = Annotated[bool, _shared("CSV in SI units on standard output.", "", "--csv")]
 Verbose = Annotated[bool, _shared("Tables and details on the terminal, too.", "", "--verbose")]
-Out = Annotated[Text, _shared("Result file: .nc, .zarr, .csv or .json.", "PATH", "--out", "-o")]
-OutFolder = Annotated[
-    Text, _shared("Folder of results; default: by the input's name.", "FOLDER", "--out", "-o")
-]
+Out = Annotated[Text, _shared("Result file: .nc, .zarr, .csv or .json.", "PATH", "--out -o")]
+_FOLDER = "Folder of results; default: named for the input, none with --json."
+OutFolder = Annotated[Text, _shared(_FOLDER, "FOLDER", "--out -o")]
 Plot = Annotated[Text, _shared("Figure file: .png, .svg or .pdf.", "PATH")]
-Overwrite = Annotated[
-    bool, _shared("Replacement of any existing files, also foreign ones.", "", "--overwrite")
-]
+Overwrite = Annotated[bool, _shared("Replacement of existing files, any.", "", "--overwrite")]
 
 
 class Command(TyperCommand):

@@ -4,32 +4,25 @@ import json
 import math
 import re
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..core.errors import InvalidInputError, require
+from ..io import atomic
 from ..io.sanitize import dump_json, escape_invisible
 from ..units import parse, pretty
 from . import options
 from .errors import UserError, user_errors
 from .inputs import check_grid, load_laws, read_list, read_muscle
 from .options import Command, Text, Texts, argument, complete_target, flag, option, with_options
-from .outputs import (
-    check_file,
-    print_line,
-    print_table,
-    print_written,
-    result_folder,
-    status,
-    today,
-    warnings_last,
-    write_folder,
-    write_text,
-)
+from .outputs import check_file, result_folder, today, write_text
+from .terminal import print_line, print_table, print_written, status
 
 
 if TYPE_CHECKING:
+    from ..calibrate.calibration import Calibration
+    from ..calibrate.comparison import LawComparison
     from ..calibrate.fitting import Prior
     from ..calibrate.model_selection import Selection
     from ..muscle import Muscle
@@ -184,25 +177,23 @@ def record(
     with user_errors():
         made = VirtualDynamometer(**settings).record(muscle, seed)
     _write_record(made, out, overwrite)
-    summary = {
-        "synthetic": True,
-        "path": out,
-        "seed": seed,
-        "readings": len(made),
-        "censored": int(made.censored.sum()),
-        "rest_length": made.rest_length,
-        "largest_strain": float(made.strain.max()),
-        "largest_force": float(made.force.max()),
-        "notes": list(made.notes),
-    }
+    strain, force, clipped = float(made.strain.max()), float(made.force.max()), made.censored.sum()
     if as_json:
+        summary = {
+            "synthetic": True,
+            "path": out,
+            "seed": seed,
+            "readings": len(made),
+            "censored": int(clipped),
+            "rest_length": made.rest_length,
+            "largest_strain": strain,
+            "largest_force": force,
+            "notes": list(made.notes),
+        }
         print(json.dumps(summary))
         return
-    print_line(f"wrote {out}: {len(made)} synthetic readings, {summary['censored']} clipped")
-    print(
-        f"largest contraction {summary['largest_strain']:.4f}, largest force"
-        f" {summary['largest_force']:.4g} N, seed {seed}"
-    )
+    print_line(f"wrote {out}: {len(made)} synthetic readings, {clipped} clipped")
+    print(f"largest contraction {strain:.4f}, largest force {force:.4g} N, seed {seed}")
 
 
 def _write_record(measured: "Record", out: str, overwrite: bool) -> None:
@@ -250,25 +241,11 @@ class Start(NamedTuple):
     ends: Text = option("Law of the ends.", "LAW")
 
 
-class Analyses(NamedTuple):
-    """Options of what is added to a fit."""
-
-    posterior: bool = flag("Posterior samples (needs numpyro).", "--posterior")
-    compare: bool = flag("Comparison with other laws, in one picture.", "--compare")
-    profile: bool | None = option(
-        "Likelihood profiles of all parameters, or none; default: of those barely determined.",
-        names="--profile/--no-profile",
-    )
-
-
 @with_options("reading", Reading)
 @with_options("sizes", Start)
-@with_options("analyses", Analyses)
-@warnings_last()
 def calibrate(
     reading: Reading,
     sizes: Start,
-    analyses: Analyses,
     data: list[str] = DATA,
     muscle: Text = option(
         "Muscle to begin with.", "FILE", "--muscle -m", autocompletion=complete_target
@@ -284,6 +261,12 @@ def calibrate(
     ),
     loss: str = option("Loss: linear, or soft_l1 for data with outliers.", default="linear"),
     starts: int = option("Starting points of the search.", default=4, min=1, max=64),
+    posterior: bool = flag("Posterior samples (needs numpyro).", "--posterior"),
+    compare: bool = flag("Comparison with other laws, in one picture.", "--compare"),
+    profile: bool | None = option(
+        "Likelihood profiles of all parameters, or none; default: of those barely determined.",
+        names="--profile/--no-profile",
+    ),
     notebook: bool = flag("Notebook that draws record, curves and residuals.", "--notebook"),
     seed: options.Seed = 0,
     out: options.OutFolder = None,
@@ -303,15 +286,15 @@ def calibrate(
     # what would only fail after the fit
     if names is not None and _TUNING in names and len(names) > 1:
         raise UserError(f"--fit {fit}: {_TUNING} can't be combined: drop the other names.")
-    if analyses.posterior:
+    if posterior:
         if loss != "linear":
             raise UserError("--posterior: needs --loss linear, a robust loss is no model of noise.")
         require("numpyro")
     settings = {"loss": loss, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
-        from ..calibrate import fitting
-        from ..calibrate import intervals as uncertainty
+        from ..calibrate import fitting, intervals
         from ..calibrate.model_selection import select_model
+        from ..calibrate.posterior import sample
         from ..report.calibration import CalibrationResult, output_files, summary
 
         priors = _read_priors(prior_texts, start, names)
@@ -326,28 +309,35 @@ def calibrate(
             update("fitting")
             free = None if names == [_TUNING] else names
             calibration = fitting.fit(measured, start, free, priors, **settings, whole=False)
-        if folder is None:
-            analyses = analyses._replace(profile=False)
-        result = CalibrationResult(uncertainty.with_profiles(calibration), choice)
-        result = _analyze(result, analyses, start, priors, settings, update)
-    written: list[str] = []
+        update("analyzing")
+        fit_result = intervals.with_profiles(calibration)
+        profiles = () if folder is None or profile is False else fit_result.profiles
+        if folder is not None and profile:
+            profiles = intervals.profiles(fit_result)
+        result = CalibrationResult(
+            fit_result,
+            choice,
+            profiles,
+            sample(fit_result, seed=seed) if posterior else None,
+            _compare(fit_result, start, priors, settings) if compare else None,
+        )
+    content: dict[str, bytes] = {}
     if folder is not None:
-        with status("drawing the report"):
+        with status("drawing the report"), user_errors("--out "):
             content = output_files(result, today(), notebook)
 
             def fill(draft: Path) -> None:
                 for name, raw in content.items():
                     (draft / name).write_bytes(raw)
 
-            write_folder(folder, overwrite, fill)
-            written = list(content)
+            atomic.write_folder(folder, fill, overwrite)
     if as_json:
         # numbers that JSON lacks, NaN and infinity, are null
         print(dump_json(json.loads(dump_json(summary(result)), parse_constant=lambda _: None)))
         return
     _print_calibration(result, verbose)
     if folder is not None:
-        print_written(folder, written, verbose)
+        print_written(folder, list(content), verbose)
 
 
 def read_start(target: str | None, sizes: Start) -> "Muscle":
@@ -394,39 +384,18 @@ def _read_priors(
     return priors
 
 
-def _analyze(
-    result: "CalibrationResult",
-    analyses: Analyses,
-    start: "Muscle",
-    priors: Mapping[str, "Prior"],
-    settings: dict[str, Any],
-    update: Callable[[str], None],
-) -> "CalibrationResult":
-    """Add optional analyses to a result."""
-    fit = result.fit
-    if analyses.profile is not False:
-        update("profiling")
-        from ..calibrate.intervals import profiles
+def _compare(
+    fit: "Calibration", start: "Muscle", priors: Mapping[str, "Prior"], settings: dict[str, Any]
+) -> "LawComparison":
+    """Compare laws of resisting force if that was fitted, else of tension."""
+    from ..calibrate import comparison
 
-        result = result._replace(profiles=profiles(fit) if analyses.profile else fit.profiles)
-    if analyses.posterior:
-        update("sampling")
-        from ..calibrate.posterior import sample
-
-        result = result._replace(posterior=sample(fit, seed=settings["seed"]))
-    if analyses.compare:
-        update("comparing laws")
-        from ..calibrate import comparison
-
-        # other laws of resisting force if that was fitted, else of tension
-        pulling = fit.method == "constants" or fit.fit_data.pulls
-        names = list(fit.names) if fit.method == "constants" or not pulling else None
-        if pulling:
-            settings = {**settings, "whole": False}
-        compare = comparison.compare_tension if pulling else comparison.compare
-        laws = compare(fit.record, start, names, priors, **settings)
-        result = result._replace(comparison=laws)
-    return result
+    pulling = fit.method == "constants" or fit.fit_data.pulls
+    names = list(fit.names) if fit.method == "constants" or not pulling else None
+    if pulling:
+        settings = {**settings, "whole": False}
+    compare = comparison.compare_tension if pulling else comparison.compare
+    return compare(fit.record, start, names, priors, **settings)
 
 
 def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
@@ -463,15 +432,14 @@ def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
         )
     # with the heading of the constants, and the line on the files that were written
     room = len(rows) if verbose else max(_LINES - len(first) - len(last) - 2, 1)
-    shown = rows if len(rows) <= room else rows[: room - 1]
-    widths = [max((len(row[i]) for row in shown), default=0) for i in range(2)]
-    constants = [f"  {x:<{widths[0]}}  {y:>{widths[1]}}  {interval}" for x, y, interval in shown]
-    if further := [f"{name} {value} ({interval})" for name, value, interval in rows[len(shown) :]]:
-        constants.append(f"  {'also ' if shown else ''}{', '.join(further)}")
+    count = len(rows) if len(rows) <= room else room - 1
+    widths = [max((len(row[i]) for row in rows[:count]), default=0) for i in range(2)]
     for line in (*first, head):
         print_line(line)
-    for line in constants:
-        print(escape_invisible(line))
+    for name, value, interval in rows[:count]:
+        print(escape_invisible(f"  {name:<{widths[0]}}  {value:>{widths[1]}}  {interval}"))
+    if further := [f"{name} {value} ({interval})" for name, value, interval in rows[count:]]:
+        print(escape_invisible(f"  {'also ' if count else ''}{', '.join(further)}"))
     for line in last:
         print_line(line)
     if verbose:
@@ -489,16 +457,11 @@ def _print_details(result: "CalibrationResult") -> None:
         _print_choice(result.choice)
     if result.comparison is not None:
         heads = "law|fitted constants|rms error [N]|left-out error [N]|pull at clipped [N]|AIC|BIC"
-        rows = [
-            [
-                textwrap.fill(row.label, _LABEL_WIDTH),
-                f"{row.free}",
-                *(f"{force:.4g}" for force in (row.rmse, row.left_out_rmse, row.clipped_pull)),
-                f"{row.aic:.1f}",
-                f"{row.bic:.1f}",
-            ]
-            for row in result.comparison.rows
-        ]
+        rows = []
+        for law in result.comparison.rows:
+            forces = [f"{x:.4g}" for x in (law.rmse, law.left_out_rmse, law.clipped_pull)]
+            label = textwrap.fill(law.label, _LABEL_WIDTH)
+            rows.append([label, f"{law.free}", *forces, f"{law.aic:.1f}", f"{law.bic:.1f}"])
         print_table("Laws compared", heads.split("|"), rows, _CRITERIA)
     for line in words.search_lines(fit.solutions):
         print_line(f"Search: {line}.")

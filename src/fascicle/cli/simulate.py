@@ -6,16 +6,8 @@ from typing import TYPE_CHECKING, Any
 from .errors import UserError, user_errors
 from .inputs import read_scenario
 from .options import Text, argument, flag, option, with_options
-from .outputs import (
-    Outputs,
-    check_file,
-    print_line,
-    print_table,
-    print_text,
-    status,
-    today,
-    write_text,
-)
+from .outputs import Outputs, check_file, today, write_text
+from .terminal import print_line, print_table, print_text, status
 
 
 if TYPE_CHECKING:
