@@ -242,7 +242,7 @@ class Calibration:
     @property
     def rmse(self) -> float:
         """Root mean square error of all readings that are not clipped [N]."""
-        return float(np.sqrt(np.nanmean(self.errors**2)))
+        return rms(self.errors)
 
     @property
     def contraction_rmse(self) -> float:
@@ -250,7 +250,7 @@ class Calibration:
         if not self.fit_data.reads_contraction:
             return float("nan")
         errors = self.problem.contraction_errors(self.force, self.fit_data)
-        return float(np.sqrt(np.nanmean(errors**2))) * self.length
+        return rms(errors) * self.length
 
     @property
     def relative_rmse(self) -> float:
@@ -263,7 +263,7 @@ class Calibration:
     def torque_rmse(self) -> float:
         """Root mean square error of the joint's torque [N·m]; NaN without moment arms."""
         arm = self.record.moment_arm
-        return float("nan") if arm is None else float(np.sqrt(np.nanmean((arm * self.errors) ** 2)))
+        return float("nan") if arm is None else rms(arm * self.errors)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -292,12 +292,6 @@ class Calibration:
         ]
         unknown = {"identifiable": False, "bound": ""}
         return tuple(replace(e, **unknown) if e.name in self.doubtful else e for e in rows)
-
-    @property
-    def measured_constants(self) -> tuple[str, ...]:
-        """Names of fitted parameters with a prior narrower than the default one."""
-        pairs = zip(self.problem.parameters, self.problem.deviation, strict=True)
-        return tuple(p.name for p, deviation in pairs if deviation < p.deviation)
 
     @property
     def doubtful(self) -> tuple[str, ...]:
@@ -360,17 +354,12 @@ class Calibration:
         readings = self.half_way.record.only(both)
         strain = readings.strain * self.strain_scale
         force = static_force(self.muscle, np.maximum(readings.pressure, 0.0), strain)
-        return float(np.sqrt(np.mean((readings.force - force) ** 2)))
+        return rms(readings.force - force)
 
     @cached_property
     def friction(self) -> Friction | None:
         """Sliding springs fitted to the loops; they are no part of the fitted muscle."""
         return fit_friction(self.record, self.length)
-
-    @property
-    def friction_is_visible(self) -> bool:
-        """True if the record has hysteresis loops that are wider than the noise."""
-        return self.loop is not None and (self.friction is None or self.friction.law is not None)
 
     def draws(self, count: int, seed: int = 0) -> np.ndarray:
         """Coordinates [-] of a `count` of draws from the fit's normal approximation, in rows;
@@ -381,6 +370,12 @@ class Calibration:
         spread, basis = np.linalg.eigh(covariance)
         normal = np.random.default_rng(seed).normal(size=(count, determined.size))
         return self.coordinates + normal @ (basis * np.sqrt(np.maximum(spread, 0))).T
+
+
+def rms(errors: np.ndarray) -> float:
+    """Root mean square of `errors` but NaN, in their unit; NaN without any."""
+    finite = errors[np.isfinite(errors)]
+    return float(np.sqrt(np.mean(finite**2))) if finite.size else float("nan")
 
 
 def estimates(

@@ -36,12 +36,11 @@ from .calibration import Calibration, largest_force
 from .data import Grid, select_fit_data
 from .fitting import FitOptions, Prior, fit_data
 from .model_selection import left_out_force
-from .parameters import parameters_of, with_optional_laws
+from .parameters import RESISTING, parameters_of, with_optional_laws
 
 
 _MIN_NOISE = 1e-9  # of the largest force: a smaller noise is rounding
 _RANGE = 5.0  # of the noise's logarithm: clipped readings never change it by a factor of 150
-_RESISTING = ("buckling", "collapse", "post_collapse")
 
 
 @dataclass(frozen=True)
@@ -89,10 +88,10 @@ def compare(
     law of the muscle keeps its constants.
     """
     data, fits = select_fit_data(record, muscle), {}
-    chosen = zip(_RESISTING, (buckling, collapse, post_collapse), strict=True)
+    chosen = zip(RESISTING, (buckling, collapse, post_collapse), strict=True)
     laws = [names or list(LAWS[kind]) for kind, names in chosen]
     for names in itertools.product(*laws):
-        pairs = zip(_RESISTING, names, strict=True)
+        pairs = zip(RESISTING, names, strict=True)
         others = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
         variant = muscle.replace(**others)
         # constants of the replaced laws are left out; `fit_data` raises for unknown names

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..core.findings import Finding, Severity
-from .calibration import Calibration
+from .calibration import Calibration, rms
 from .model_selection import Selection
 
 
@@ -127,8 +127,10 @@ def _of_constants(calibration: Calibration) -> Iterator[Finding]:
         tied.sort(key=lambda pair: -pair[0])
         pairs = [{"constants": [a.name, b.name], "correlation": r} for r, a, b in tied]
         _, first, second = tied[0]
-        known = calibration.measured_constants
-        open_ones = [e for e in (second, first) if e.name not in known]
+        problem = calibration.problem
+        priors = zip(problem.parameters, problem.deviation, strict=True)
+        weak = {parameter.name for parameter, prior in priors if prior >= parameter.deviation}
+        open_ones = [e for e in (second, first) if e.name in weak]
         names = [e.name for e in open_ones if e.dimension in _SIZES] + [e.name for e in open_ones]
         size = names[0] if names else ""
         yield _warning("constants.correlated", pairs=pairs, constant=size)
@@ -216,10 +218,7 @@ def judge(calibration: Calibration, selection: Selection | None = None) -> Verdi
     strain = calibration.record.strain * calibration.strain_scale
     past = strain > calibration.free_strain[calibration.fit_data.level]
     past &= not calibration.fit_data.pulls
-    parts = [errors[mask & np.isfinite(errors)] for mask in (~past, past)]
-    pulling, resisting = (
-        float(np.sqrt(np.mean(group**2))) if group.size else float("nan") for group in parts
-    )
+    pulling, resisting = rms(errors[~past]), rms(errors[past])
     undetermined = tuple(e.name for e in calibration.parameters if not (e.identifiable or e.bound))
     limits = tuple(e.name for e in calibration.parameters if e.bound)
     return Verdict(

@@ -39,12 +39,10 @@ import numpy as np
 from scipy.optimize import leastsq
 from scipy.special import erfcx, log_ndtr
 
-from ..core.array_namespace import array_namespace, maximum, slices, where
+from ..core.array_namespace import array_namespace, maximum, where
 from ..core.module import with_fields
 from ..core.types import AnyArray, Batch, Float
 from ..muscle import Muscle
-from ..muscle.buckling import ROUNDING
-from ..muscle.piecewise import Piecewise
 from .data import FitData, Grid, Table
 from .gauges import PERFECT, Gauge
 from .parameters import FACTORS, WEAK, Parameter, put, put_gauge
@@ -59,7 +57,6 @@ _CERTAIN = 30.0  # deviations below the limit, where a censored reading says not
 # steps of finite differences: roots in the law are exact to 1e-12, so a first-order difference is
 # good to 1e-6, which is enough for a search, and a second-order one to 1e-8
 _FIRST_ORDER, _SECOND_ORDER = 1e-6, 1e-4
-_BATCH = 12_000  # forces computed at once: arrays below 100 kB stay in the cache
 _MAX_STEPS = 200  # of the last search; some dozens are usual
 _MAX_ROUGH_STEPS = 60  # of a search to `ROUGH` or less: further steps gain far less than noise
 _TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
@@ -183,7 +180,7 @@ class Problem:
             if self.pulls:
                 force = law.tension.force(P[..., level], strain)
             else:
-                force = force_at_levels(law, P, level, strain)
+                force = law.at(P).take(level).force(strain)[0]
         if gauge is not base:
             elapsed = np.broadcast_to(self.grid.elapsed, order.shape)[self.grid.used]
             force = base.true_force(gauge.read_force(force, elapsed), elapsed)
@@ -217,9 +214,7 @@ class Problem:
         step = size * (np.arange(len(point))[:, None] == columns)
         steps = [0.0 * point[:, None], step, *([2 * step] if fine else [])]
         points = point[:, None] + np.concatenate(steps, axis=1)
-        # as many at once as stay in a processor's cache: calls cost more than their numbers
-        chunks = slices(points.shape[1], max(1, _BATCH // max(1, self._places[0].size)))
-        forces = np.concatenate([self.force(points[:, chunk]) for chunk in chunks])
+        forces = self.force(points)
         n, force = len(columns), forces[0]
         rise = forces[1 : n + 1] - force
         if fine:
@@ -274,22 +269,6 @@ class Problem:
         softer = (by_force * soften(misfits, self.loss)[1]).reshape(-1, 1)
         priors = (np.arange(len(self.center))[:, None] == columns) / self.deviation[:, None]
         return np.concatenate([softer * force_slopes.reshape(force.size, -1), priors])
-
-
-def force_at_levels(law: Piecewise, pressure: Batch, level: np.ndarray, strain: Batch) -> Batch:
-    """Forces [N] of a `law` at `strain` [-] on the last axis, each at a `level` of the `pressure`
-    [Pa]: what depends on pressure alone is computed once for each level.
-    """
-    at_levels = law.at(pressure)
-    free_strain = at_levels.column.free_strain[..., level]
-    if array_namespace(free_strain, strain) is not np:
-        return at_levels.take(level).force(strain)[0]
-    # where all of them pull, the tension law is all that is needed
-    pulls = np.all(strain <= free_strain + ROUNDING, axis=tuple(range(free_strain.ndim - 1)))
-    force = np.empty(np.broadcast_shapes(free_strain.shape, strain.shape))
-    force[..., pulls] = law.tension.force(pressure[..., level[pulls]], strain[..., pulls])
-    force[..., ~pulls] = at_levels.take(level[~pulls]).force(strain[..., ~pulls])[0]
-    return force
 
 
 def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> Table:

@@ -23,7 +23,7 @@ from ..core.errors import InvalidInputError
 from ..muscle import Muscle
 from ..muscle.materials import MooneyRivlin
 from ..records.record import DOWN, UP, Record
-from .calibration import Calibration, largest_force
+from .calibration import Calibration, largest_force, rms
 from .data import MIN_PUSHES, FitData, Grid, pulling_only, select_fit_data, thin
 from .diagnostics import force_slopes_of, project_out, span
 from .fitting import (
@@ -226,12 +226,9 @@ def select(trials: Sequence[Candidate], noise: float, loss: str) -> Candidate:
 
 def error_size(errors: np.ndarray, loss: str) -> float:
     """Root mean square of `errors` [N] without NaN; a robust estimate of it for a robust `loss`."""
-    measured = errors[np.isfinite(errors)]
-    if not measured.size:
-        return float("nan")
-    if loss != "linear":
-        return 1.4826 * float(np.median(np.abs(measured)))  # equal for normal errors
-    return float(np.sqrt(np.mean(measured**2)))
+    if loss == "linear" or not np.any(np.isfinite(errors)):
+        return rms(errors)
+    return 1.4826 * float(np.nanmedian(np.abs(errors)))  # equal for normal errors
 
 
 def folds(grid: Grid) -> list[np.ndarray]:
@@ -258,12 +255,6 @@ def left_out_force(calibration: Calibration) -> np.ndarray:
         end, refitted = refit_tuning(problem, point, grid, joint)
         force[fold] = replace(refitted, grid=problem.grid).force(end)[fold]
     return force
-
-
-def left_out_errors(calibration: Calibration) -> np.ndarray:
-    """Errors [N] of `left_out_force`; NaN where nothing was measured or predicted."""
-    grid = calibration.grid
-    return np.where(grid.measured, grid.force - left_out_force(calibration), np.nan)
 
 
 def possible_gauge_errors(data: FitData) -> list[str]:

@@ -28,12 +28,12 @@ from ..core.validation import HIGHEST_PRESSURE, NEUTRAL_ANGLE, check_choice
 from ..muscle import Muscle
 from ..muscle.laws import LAWS, OMIT_IF_DEFAULT
 from ..muscle.materials import MooneyRivlin
-from .gauges import DIMENSIONS, GAUGE_NAMES, PERFECT, Gauge
+from .gauges import DIMENSIONS, PERFECT, Gauge
 
 
 RUBBER = ("c10", "c01")  # constants of a stretched wall's energy
 WEAK = 3.0  # standard deviation of the default prior, on a logarithmic scale
-_RESISTING = ("buckling", "collapse", "post_collapse")  # laws without effect on the pull
+RESISTING = ("buckling", "collapse", "post_collapse")  # laws without effect on the pull
 _MIN_BAND = 1e3  # Pa, start of the search for a dead band of zero: it has no logarithm
 
 
@@ -184,28 +184,27 @@ CONSTANTS: tuple[Parameter, ...] = (
 # size of a unit of each gauge's coordinate: a usual error, so that steps of a search fit all
 GAUGE_UNITS = {"force_zero": 10.0, "force_gain": 0.02, "force_drift": 0.01, "pressure_zero": 1e3,
                "displacement_zero": 1e-3}  # fmt: skip
-_ABOUT = {
-    "force_zero": "reading of the load cell without force, at the first reading",
-    "force_gain": "factor of the load cell's readings",
-    "force_drift": "change of the load cell's zero with time",
-    "pressure_zero": "reading of the pressure transducer without pressure",
-    "displacement_zero": "reading of the contraction at the rest length",
-}
 
 
-def _of_gauge(name: str) -> Parameter:
+def _of_gauge(name: str, about: str) -> Parameter:
     """An error of a gauge."""
     unit, scale = GAUGE_UNITS[name], name == "force_gain"
     value = attrgetter(name)
     return Parameter(
-        name, DIMENSIONS[name], f"gauge error: {_ABOUT[name]}", value,
+        name, DIMENSIONS[name], f"gauge error: {about}", value,
         coordinate=lambda gauge: (log(value(gauge)) if scale else value(gauge)) / unit,
         put=lambda gauge, z: replace(gauge, **{name: exp(unit * z) if scale else unit * z}),
         linear=not scale, of_gauge=True,
     )  # fmt: skip
 
 
-GAUGES: tuple[Parameter, ...] = tuple(map(_of_gauge, GAUGE_NAMES))
+GAUGES: tuple[Parameter, ...] = (
+    _of_gauge("force_zero", "reading of the load cell without force, at the first reading"),
+    _of_gauge("force_gain", "factor of the load cell's readings"),
+    _of_gauge("force_drift", "change of the load cell's zero with time"),
+    _of_gauge("pressure_zero", "reading of the pressure transducer without pressure"),
+    _of_gauge("displacement_zero", "reading of the contraction at the rest length"),
+)
 PARAMETERS = {parameter.name: parameter for parameter in (*FACTORS, *CONSTANTS)}
 FACTOR_NAMES = tuple(factor.name for factor in FACTORS)
 
@@ -248,7 +247,7 @@ def pulling_constants(muscle: Muscle) -> tuple[Parameter, ...]:
     rubber = RUBBER if isinstance(muscle.material, MooneyRivlin) else ()
     unused = {constant.name for constant in MooneyRivlin.constants()} - set(rubber)
     names = [constant.name for constant in CONSTANTS if constant.name not in unused]
-    kinds = [kind for kind in LAWS if kind not in _RESISTING]
+    kinds = [kind for kind in LAWS if kind not in RESISTING]
     names += [parameter.name for kind in kinds for parameter in _law_parameters(kind, muscle)]
     return select_parameters(names, muscle)
 

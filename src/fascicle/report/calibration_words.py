@@ -224,7 +224,8 @@ def _error_line(calibration: Calibration, verdict: Verdict) -> str:
         )
     if np.isfinite(verdict.left_out_rmse):
         error += f"; {100 * verdict.left_out_rmse:.2g} % at readings left out of the fit"
-    if (loop := calibration.loop) is not None and calibration.friction_is_visible:
+    loop, friction = calibration.loop, calibration.friction
+    if loop is not None and (friction is None or friction.law is not None):
         error += (
             f"; {pretty(calibration.half_way_rmse, 'force', 3)} from the half-way curve of the"
             f" loops, which are {range_text(np.maximum(loop.width, 0.0))} N wide"
