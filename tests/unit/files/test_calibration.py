@@ -75,13 +75,7 @@ def test_arrays_are_lists():
     assert math.isnan(read_back({"a": math.nan})["a"])
 
 
-@pytest.mark.parametrize(
-    "table",
-    [
-        {"a": None},
-        {"a": [1, {"b": 2}]},
-    ],
-)
+@pytest.mark.parametrize("table", [{"a": None}, {"a": [1, {"b": 2}]}])
 def test_unsupported_values_are_refused(table, tmp_path):
     with pytest.raises(ValueError, match="'a'"):
         save(MUSCLE, tmp_path / "m.toml", table)
