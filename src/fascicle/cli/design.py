@@ -132,18 +132,18 @@ def _write(
     """Write report, data and bundles; returns their names, the report's first."""
     from ..files import dumps
     from ..report.design import report
-    from ..results import design_tables
+    from ..results import tables as result_tables
     from ..results.labelled import dataset, write_netcdf
 
     result = answer.result
     count = min(len(result.front), _SAVED)
     bundles = {f"bundle_{i + 1}.toml": result.designs.bundle(i, result.task) for i in range(count)}
-    data: dict[str, Any] = {"designs.nc": design_tables.all_design_variables(result)}
+    data: dict[str, Any] = {"designs.nc": result_tables.all_design_variables(result)}
     if result.recommended is not None:
         bundle = result.designs.bundle(result.recommended, result.task)
         bundles = {"recommended.toml": bundle, **bundles}
-        cases = design_tables.case_variables(answer.summary)
-        data["front.nc"] = design_tables.front_variables(result) | cases
+        cases = result_tables.case_variables(answer.summary)
+        data["front.nc"] = result_tables.front_variables(result) | cases
     page = report(answer, today(), [*data, *bundles], seconds, notes)
     texts = {"report.html": page, **{name: dumps(bundle) for name, bundle in bundles.items()}}
     attributes = {"title": f"Designs for {result.task.name}", "source": SOURCE}
@@ -166,8 +166,8 @@ def _json(answer: "Answer", notes: tuple[str, ...]) -> str:
 
     from ..core.findings import Severity
     from ..report.design_summary import words
-    from ..results.design_tables import case_variables, design_variables, front_variables
     from ..results.labelled import to_json
+    from ..results.tables import case_variables, design_variables, front_variables
 
     result, summary, is_recommended = answer.result, answer.summary, answer.is_recommended
     warnings = [f for f in answer.findings if f.severity is Severity.WARNING]
@@ -242,8 +242,8 @@ def sweep(
     from ..design.exhaustive_search import conclude
     from ..design.objectives import recorded_objectives, with_reach_limits
     from ..files.task import load_task
-    from ..results.design_tables import case_variables, front_variables
     from ..results.labelled import write
+    from ..results.tables import case_variables, front_variables
 
     folder = Path(f"swept-{Path(study).stem}" if out is None else out)
     with user_errors(), status("reading the task"):  # before a cluster is started
