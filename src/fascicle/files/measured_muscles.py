@@ -70,9 +70,8 @@ class MeasuredRange(NamedTuple):
 
 
 def _entry_table(entry: "CatalogEntry") -> ReprTable:
-    facts = [(name, getattr(entry, name)) for name in ("maker", "sizes", "measured", "basis")]
-    facts += [("error", str(entry.error)), ("range", str(entry.range))]
-    facts += [(name, getattr(entry, name)) for name in ("source", "url", "license")]
+    names = "maker", "sizes", "measured", "basis", "error", "range", "source", "url", "license"
+    facts = [(name, str(getattr(entry, name))) for name in names]
     return ReprTable(entry.title, facts, notes=[f"Assumed: {text}" for text in entry.assumed])
 
 

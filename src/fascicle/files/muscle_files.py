@@ -204,8 +204,7 @@ def _are_named(sections: str | dict[str, Any]) -> bool:
 
 def _named_muscle(name: str, location: FileLocation, folder: Path | None) -> Muscle:
     """The muscle with a `name`, an example or a file in a `folder`."""
-    with location.error_context():
-        muscle = load_named(name, folder, follow=False)
+    muscle = location.call(load_named, name, folder, follow=False)
     if isinstance(muscle, Bundle):
         raise location.error((), "is a bundle: name a muscle.")
     return muscle
@@ -241,8 +240,7 @@ def _muscle(section: schema.MuscleSection, location: FileLocation) -> Muscle:
         arguments["material"] = section.material
     elif section.material is not None:
         arguments["material"] = _material(section.material, location.child("material"))
-    with location.error_context():
-        return Muscle(**arguments)
+    return location.call(Muscle, **arguments)
 
 
 def _material(section: dict[str, Any], location: FileLocation) -> MooneyRivlin:
@@ -264,12 +262,9 @@ def _law(kind: str, section: str | schema.LawSection, location: FileLocation) ->
     if section.law is None and kind != "collapse":
         raise location.error(("law",), f'missing, write law = "{laws.default.name}".')
     name = section.law or laws.default.name
-    with location.error_context():
-        law: Any = laws[check_choice(name, laws, kind)]
+    law: Any = laws[location.call(check_choice, name, laws, kind)]
     table, others = section.model_extra or {}, type(section).model_fields
-    arguments = _arguments(law, name, table, location, others)
-    with location.error_context():
-        return law(**arguments)
+    return location.call(law, **_arguments(law, name, table, location, others))
 
 
 def _arguments(
@@ -300,8 +295,7 @@ def _tuning(section: schema.TuningSection, location: FileLocation) -> Tuning:
     hinge = numbers.pop("hinge_stiffness_factor", {})
     hinge = hinge if isinstance(hinge, dict) else {"constant": hinge}
     names = {"constant": "hinge_stiffness_factor", "slope": "hinge_stiffness_slope"}
-    with location.error_context():
-        return Tuning(**numbers, **{names[key]: value for key, value in hinge.items()})
+    return location.call(Tuning, **numbers, **{names[key]: value for key, value in hinge.items()})
 
 
 def _bundle(

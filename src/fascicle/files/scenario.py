@@ -160,8 +160,7 @@ def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: st
     options = run.model_dump(exclude_none=True, include={"law", "volume"})
 
     def make_plant(bundles: list[Bundle]) -> Plant:
-        with root.error_context():
-            return Plant(bundles[0] if len(bundles) == 1 else bundles, **parts, **options)
+        return root.call(Plant, bundles[0] if len(bundles) == 1 else bundles, **parts, **options)
 
     plant = make_plant(bundles)
     if not np.subtract(*plant.stroke) < 0:
@@ -221,8 +220,7 @@ def _with_measured_friction(
     if not isinstance(name, str) or not (folder / name).is_file():
         rule = 'must name the calibrated muscle\'s file: write muscle = "muscle.toml".'
         raise root.error(("hysteresis", "muscle"), rule)
-    with root.child("hysteresis").error_context():
-        springs = provenance(folder / name).get("hysteresis")
+    springs = root.child("hysteresis").call(provenance, folder / name).get("hysteresis")
     springs = springs if isinstance(springs, dict) else {}
     if springs.get("kind") == "none":
         return {key: value for key, value in data.items() if key != "hysteresis"}
@@ -300,8 +298,7 @@ def _parts(
     for key, table in tables.items():
         kind, location = classes[key], root.child(key, kind="part")
         for inner in INNER.keys() & table.keys():
-            with location.child(inner, kind="part").error_context():
-                table[inner] = INNER[inner](**table[inner])
+            table[inner] = location.child(inner, kind="part").call(INNER[inner], **table[inner])
         if kind is fluid.Orifice and not gas:
             table.setdefault("density", float(medium.reference_density))
         if kind is fluid.SonicValve:
@@ -325,15 +322,13 @@ def _convert_data_sheet(table: dict[str, Any], location: FileLocation) -> None:
         rule = "give the valve's C, or one of nominal_flow (6 to 5 bar gauge), Kv and Cv"
         raise location.error((keys[-1] if keys else "C",), f"{rule}, one of them.")
     if keys != ["C"]:
-        with location.error_context():
-            table["C"] = _CONVERSIONS[keys[0]](table.pop(keys[0]), table["b"])
+        table["C"] = location.call(_CONVERSIONS[keys[0]], table.pop(keys[0]), table["b"])
 
 
 def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> Any:
     """The gas or liquid, taken out of the values of [fluid]."""
     name = section.pop("medium", None) or ("oil" if liquid else "air")
-    with location.error_context():
-        medium = _MEDIA[check_choice(name, _MEDIA, "medium")]
+    medium = _MEDIA[location.call(check_choice, name, _MEDIA, "medium")]
     if liquid == isinstance(medium, fluid.Gas):
         phase, kinds = ("gas", "adiabatic_wall or isothermal") if liquid else ("liquid", "liquid")
         raise location.error(("medium",), f"{name} is a {phase}: take chamber = {kinds}.")
@@ -355,8 +350,8 @@ def _supply(
         raise location.error(("kind",), rule)
     pump = None
     if "pump" in table:
-        with location.child("pump", kind="part").error_context():
-            pump = fluid.FixedPump(**table.pop("pump"), liquid=medium)
+        values = {**table.pop("pump"), "liquid": medium}
+        pump = location.child("pump", kind="part").call(fluid.FixedPump, **values)
     with location.error_context():
         if holds_liquid:
             store = fluid.Accumulator(**table, liquid=medium, **room)

@@ -7,8 +7,8 @@ argument's name, which a `FileLocation` turns into path, key, value and rule. A 
 
 import contextlib
 import re
-from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, NamedTuple
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated, Any, NamedTuple, ParamSpec, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -63,6 +63,10 @@ _KINDS = {
 }
 
 
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
 class FileLocation(NamedTuple):
     """A section of a file: the file's `source`, the `data` of all its tables, the `keys` that lead
     to the section, and its `kind`, a key of `_KEYS` or another word.
@@ -92,6 +96,11 @@ class FileLocation(NamedTuple):
             name = error.argument if isinstance(error, InvalidInputError) else ""
             keys = _KEYS.get(self.kind, {}).get(name, (name,) if name else ())
             raise self.error(keys, str(error)) from None
+
+    def call(self, function: Callable[_P, _R], /, *args: _P.args, **kwargs: _P.kwargs) -> _R:
+        """Result of a `function` whose errors get this location."""
+        with self.error_context():
+            return function(*args, **kwargs)
 
 
 def check_kind(data: Mapping[str, Any], kind: str, source: str) -> None:

@@ -107,8 +107,7 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     probability = _share(safety, lambda x: 0 < x < 1, limits_location, (_SAFETY,), rule)
     limits, least_margin = _limits(limit_entries, limits_location)
     senses = _senses(file.objectives, root.child("objectives", kind="objectives"))
-    with limits_location.error_context():
-        objectives.check_search(senses, objectives.with_reach_limits(limits))
+    limits_location.call(objectives.check_search, senses, objectives.with_reach_limits(limits))
     design, location = file.design, root.child("design", kind="design")
     offer = _offer(design, location, folder)
     space = _design_space(design, location, limits, folder, offer)
@@ -136,8 +135,7 @@ def _cycle(section: schema.CycleSection | None, task: Task, location: FileLocati
         raise location.error((), "needs time, or lift and release.")
     if "time" in values:
         values["lift"] = values["release"] = 0.5 * values.pop("time")
-    with location.error_context():
-        return Cycle(**values)
+    return location.call(Cycle, **values)
 
 
 def _fit_notes(names: Sequence[str], folder: Path, task: Task, space: Space) -> list[str]:
@@ -196,8 +194,7 @@ def _task(section: schema.TaskSection, location: FileLocation) -> Task:
 
 def _senses(section: Mapping[str, str] | None, location: FileLocation) -> dict[str, str]:
     senses = dict(USUAL if section is None else section)
-    with location.error_context():
-        check_objectives(senses)
+    location.call(check_objectives, senses)
     for name, sense in senses.items():
         if sense not in ("min", "max"):
             raise location.error((name,), 'must be "min" or "max".')
@@ -208,8 +205,7 @@ def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[st
     """Limits by objective, and the relative margin below which a design has a warning."""
     limits, least_margin = {}, LEAST_MARGIN
     for name, entry in section.items():
-        with location.error_context():
-            check_objectives([name])
+        location.call(check_objectives, [name])
         is_table, ends = isinstance(entry, dict), {}
         if not is_table and name != "margin":
             raise location.error((name,), "must be a table: write { at_most = … }.")
@@ -226,8 +222,7 @@ def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[st
             if key not in _BOUNDS:
                 raise location.error((name, key), "unknown key: write at_least or at_most.")
             dimension = dimension_of_unit(objectives.OBJECTIVES[name].unit) or "number"
-            with location.child(name, key).error_context():
-                value = parse(text, dimension)
+            value = location.child(name, key).call(parse, text, dimension)
             if name in objectives.SHARES and not 0 <= value < 1:
                 rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
                 raise location.error((name,), rule)
@@ -269,8 +264,7 @@ def _design_space(
 
 
 def _drawing(name: str, section: DesignSection, location: FileLocation, folder: Path) -> Muscle:
-    with location.child("muscle").error_context():
-        muscle = load_named(name, folder)
+    muscle = location.child("muscle").call(load_named, name, folder)
     with location.error_context():
         if isinstance(muscle, Bundle):
             raise InvalidInputError("muscle", f"{name!r} is a bundle", None, "name a muscle")
@@ -371,8 +365,7 @@ def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offe
             data = parse_file(shipped_text("catalogs", source), source)
         else:
             if not path.exists():
-                with catalog.error_context():
-                    check_choice(source, shipped, "catalog")
+                catalog.call(check_choice, source, shipped, "catalog")
             source, data = str(path), read_file(path)
         products = validate(schema.CatalogFile, data, source).product
         catalog = FileLocation(source, data, ("product",), "catalog")

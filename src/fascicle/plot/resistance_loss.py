@@ -24,18 +24,14 @@ class Maps(NamedTuple):
     resistance_gaps: tuple[Outline, ...]
 
     @property
-    def difference(self) -> np.ndarray:
-        """Efficiency lost to resistance [-], at points that both reach; negative on isobaric paths
-        where the higher pressure against resistance does more work for the same fluid energy.
-        """
-        return self.free.efficiency - self.resisted.efficiency
-
-    @property
     def loss(self) -> EfficiencyMap:
         """Map of the efficiency lost to resistance [-]; where resistance changes the state, in
         strips thinner than a cell, that of the nearest point below or above where it doesn't.
+
+        Negative on isobaric paths where the higher pressure against resistance does more work for
+        the same fluid energy.
         """
-        values = self.difference
+        values = self.free.efficiency - self.resisted.efficiency
         empty = np.isfinite(values) & (self.free.state != self.resisted.state)
         for rows, step in ((range(1, len(values)), -1), (range(len(values) - 2, -1, -1), 1)):
             for i in rows:
