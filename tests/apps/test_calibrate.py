@@ -179,21 +179,6 @@ def test_a_given_zero_is_obeyed(fascicle, folder, tmp_path, monkeypatch):
     assert json.loads(fascicle(*named, "--zero", "force=0N")[1])["gauge"] == {}
 
 
-def test_control_c_leaves_nothing_half_written(fascicle, folder, monkeypatch):
-    write = Path.write_bytes
-
-    def interrupted(path, raw):
-        if path.name == "report.html":
-            raise KeyboardInterrupt
-        return write(path, raw)
-
-    monkeypatch.chdir(folder)
-    monkeypatch.setattr(Path, "write_bytes", interrupted)
-    fit = ("--fit", "c10", "--no-profile", "--out", "interrupted")
-    assert fascicle("calibrate", "d.csv", "--muscle", TEN, *fit)[0] == 130
-    assert not [path for path in folder.iterdir() if path.name not in ("d.csv", "calibrated-d")]
-
-
 def test_laws_are_compared_as_each_is_calibrated_alone(fascicle, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     muscle = fs.Muscle(0.2, 11e-3, 2e-3, np.radians(27), "latex")

@@ -152,28 +152,6 @@ def test_unreachable_task_has_no_recommendation(fascicle, written, tmp_path):
     assert code == 0
 
 
-def test_a_share_that_may_be_missed(fascicle, written):
-    """One of three load cases, though it counts next to nothing."""
-    for share, code in (("30 %", 3), ("34 %", 0)):
-        limited = PEAK.replace("3 }", f'3 }}\nnot_reached = {{ at_most = "{share}" }}')
-        written.write_text(limited + AS_DRAWN)
-        exit_code, _, err = fascicle("design", "task.toml", "--overwrite")
-        assert (exit_code, err) == (code, "")
-
-
-def test_a_catalogs_product_is_named(fascicle, written, tmp_path):
-    written.write_text(
-        TASK.replace(
-            'length = ["110 mm", "127 mm"]', 'length = "200 mm"\ncatalog = "festo_dmsp"'
-        ).replace("muscles = [4]", "muscles = [1, 2]")
-    )
-    code, _, err = fascicle("design", "task.toml")
-    assert (code, err) == (0, "")
-    front = results.read(tmp_path / "designed-task" / "front.nc")
-    assert front.attrs["notes"]  # what is taken from another product
-    assert front.drawing[front.recommended.values.argmax()].item() == "DMSP-20, 200 mm"
-
-
 def test_a_task_is_written_for_a_load(fascicle, refused, tmp_path):
     from fascicle.files.task import load_task
 

@@ -66,15 +66,6 @@ def test_control_c_is_quiet_from_the_first_moment(tmp_path, moment):
     assert [path.name for path in tmp_path.iterdir()] in ([], ["x.json"])
 
 
-@needs_process_groups
-def test_control_c_after_the_last_line_changes_nothing(tmp_path):
-    process = start(tmp_path, "free-strain", SIX, "-p", "34.5kPa")
-    while "34.5" not in process.stdout.readline():
-        pass
-    time.sleep(0.01)  # s: Python shuts down now
-    assert interrupt(process) in [(130, ""), (0, "")]
-
-
 TASK = """format = 1
 [task]
 force = "60 N"

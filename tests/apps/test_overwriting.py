@@ -2,8 +2,6 @@
 
 import pytest
 
-from fascicle.results import labelled
-
 
 SIX, PAIR = "kim2021_figure_6", "kim2021_bundle_1_1"
 ONE = ["-p", "34.5kPa", "-s", "0.1"]
@@ -71,56 +69,8 @@ def test_a_folder_of_results_is_kept(fascicle, refused, tmp_path, command):
     [["design", "none.toml", "-o", "f"], ["calibrate", "none.csv", "-m", SIX, "-o", "f"],
      ["force", SIX, *ONE, "-o", "f.zarr"]],
 )  # fmt: skip
-@pytest.mark.parametrize("more", [[], ["--overwrite"]])
-def test_a_file_in_the_place_of_a_folder_is_refused_before_the_work(
-    refused, tmp_path, command, more
-):
+def test_a_file_in_the_place_of_a_folder_is_refused_before_the_work(refused, tmp_path, command):
     if command[-1] == "f.zarr":
         pytest.importorskip("zarr", reason="needs the extra `sweep`")
     (tmp_path / command[-1]).write_text("measured")
-    assert f"--out {command[-1]}: " in refused(*command, *more)
-    assert (tmp_path / command[-1]).read_text() == "measured"
-
-
-# a command that reads `in.toml` or `in.csv`, an option that names an output, and its suffix
-READERS = [
-    (["force", "in.toml", *ONE], "--out", "csv"),
-    (["simulate", "in.toml"], "--report", "html"),
-    (["record", "in.toml", "-p", "34.5kPa"], "--out", "csv"),
-    (["export", "in.toml"], "--fmu", "fmu"),
-]
-
-
-@pytest.mark.parametrize(("command", "option", "suffix"), READERS)
-def test_an_input_is_not_replaced(fascicle, refused, tmp_path, command, option, suffix):
-    """By whatever name: here a link."""
-    kind = ["--scenario"] if command[0] == "simulate" else []
-    path = tmp_path / "in.toml"
-    assert fascicle("init", "in.toml", *kind)[0] == 0
-    (tmp_path / f"link.{suffix}").symlink_to(path.name)
-    assert f"{option} link.{suffix}: " in refused(*command, f"{option}=link.{suffix}")
-
-
-@pytest.mark.parametrize("name", ["x.nc", "x.zarr"])
-def test_a_target_that_another_program_makes_meanwhile_is_kept(
-    fascicle, monkeypatch, tmp_path, name
-):
-    pytest.importorskip("zarr", reason="needs the extra `sweep`")
-    mine = tmp_path / name / "thesis.txt" if name == "x.zarr" else tmp_path / name
-    make_dataset = labelled.dataset
-
-    def make_slowly(*arguments, **attributes):
-        mine.parent.mkdir(exist_ok=True)
-        mine.write_text("mine")
-        return make_dataset(*arguments, **attributes)
-
-    monkeypatch.setattr(labelled, "dataset", make_slowly)
-    code, out, err = fascicle("force", SIX, *ONE, "--out", name)
-    assert (code, out) == (2, "") and f"{name}: already exists" in err
-    assert mine.read_text() == "mine"
-    if name == "x.zarr":  # with the flag, beside what isn't of the result
-        monkeypatch.undo()
-        monkeypatch.chdir(tmp_path)
-        (tmp_path / name / "zarr.json").write_text("{}")
-        assert fascicle("force", SIX, *ONE, "--out", name, "--overwrite")[0] == 0
-        assert mine.read_text() == "mine"
+    assert f"--out {command[-1]}: " in refused(*command, "--overwrite")

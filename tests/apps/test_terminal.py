@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from fascicle.files import example_text
+
 
 # turns red, clears the screen, sets the title; the same for terminals of 8 bits; turns the line
 EVIL = "\\u001b[31m\\u001b[2J\\u001b]0;x\\u0007\\u009b31m\\u202e\\u0008"
@@ -42,26 +44,24 @@ def written(tmp_path):
     return write
 
 
-@pytest.mark.parametrize("options", [[], ["--json"], ["--csv"]])
-@pytest.mark.parametrize("trusted", [True, False])
-def test_of_a_scenario(fascicle, written, options, trusted):
-    from fascicle.files import example_text
-
-    text = example_text("lift_gas").replace("format = 1", 'format = 1\nname = "lift EVIL"')
-    if not trusted:
-        text = re.sub(r"dt = .*", 'dt = "20 ms"', text)
-    written("s.toml", text)
-    code, out, err = harmless(fascicle, "simulate", "s.toml", *options)
-    assert code == (0 if trusted else 1)
-    assert "x1b[31m" in out + err or options
+LIFT = example_text("lift_gas").replace("format = 1", 'format = 1\nname = "lift EVIL"')
+WRONG = ['format = 1\n"EVIL" = 1\n[muscle]', '[muscle]\nmaterial = "EVIL"', 'x = "EVIL" y']
+COMMANDS = [
+    *(("simulate", LIFT, options, 0) for options in ([], ["--json"], ["--csv"])),
+    ("simulate", re.sub(r"dt = .*", 'dt = "20 ms"', LIFT), [], 1),
+    *(("design", DESIGN, options, 0) for options in (["--out", "made"], ["--json"])),
+    ("design", DESIGN.replace("60 N", "9000 N"), [], 3),
+    *((command, text, [], 2) for command in ("force", "simulate", "design") for text in WRONG),
+]
 
 
-@pytest.mark.parametrize("options", [["--out", "made"], ["--json"]])
-@pytest.mark.parametrize("force", ["60 N", "9000 N"])
-def test_of_a_task(fascicle, written, force, options):
-    written("t.toml", DESIGN.replace("60 N", force))
-    code, out, _ = harmless(fascicle, "design", "t.toml", *options)
-    assert code == (0 if force == "60 N" else 3)
+@pytest.mark.parametrize(("command", "text", "options", "expected"), COMMANDS)
+def test_of_a_file(fascicle, written, command, text, options, expected):
+    written("a.toml", text)
+    code, out, err = harmless(fascicle, command, "a.toml", *options)
+    assert code == expected
+    if command == "simulate" and "lift" in text and not options:
+        assert "x1b[31m" in out + err
     if options == ["--json"]:
         json.loads(out)
 
@@ -79,16 +79,6 @@ def test_of_a_record(fascicle, written, tmp_path, options):
     assert code == 0
     if options == ["--json"]:  # a program reads what the file says
         assert any("\x1b[31m" in note for note in json.loads(out)["notes"])
-
-
-@pytest.mark.parametrize(
-    "text",
-    ['format = 1\n"EVIL" = 1\n[muscle]', '[muscle]\nmaterial = "EVIL"', 'x = "EVIL" y'],
-)  # fmt: skip
-@pytest.mark.parametrize("command", ["force", "simulate", "design"])
-def test_of_what_is_refused(fascicle, written, command, text):
-    written("m.toml", text)
-    assert harmless(fascicle, command, "m.toml")[0]
 
 
 def test_of_a_files_own_name(fascicle, tmp_path):

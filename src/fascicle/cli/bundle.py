@@ -83,11 +83,12 @@ def print_states(variables: Mapping[str, "Variable"]) -> None:
         states = f"{len(columns[1])} states" if len(columns[1]) > 1 else "the state"
         print_text(f"Free strain of {states}: {' to '.join(limits)}.")
     for pressures, free, equilibria, stable in zip(*columns, strict=True):
-        pairs = zip(equilibria, stable, strict=True)
-        texts = [number(strain, 4) + ("" if is_stable else " u") for strain, is_stable in pairs]
-        # a row with fewer equilibria is filled with NaN
-        strains = ", ".join(text for text in texts if not text.startswith("-"))
-        cells = [*map(kpa, pressures), number(free, 4), strains]
+        strains = [
+            number(strain, 4) + ("" if is_stable else " u")
+            for strain, is_stable in zip(equilibria, stable, strict=True)
+            if math.isfinite(strain)  # a row with fewer equilibria is filled with NaN
+        ]
+        cells = [*map(kpa, pressures), number(free, 4), ", ".join(strains)]
         rows.append([f"{len(rows) + 1}", *cells])
     heads = ["state", *_unit_heads(variables), "free strain [-]", "equilibria [-]"]
     caption = "" if all(map(all, columns[3])) else _UNSTABLE
@@ -270,8 +271,8 @@ def _recruit_joint(
     with user_errors():
         if supply is not None:
             target = target.replace(supply_pressure=supply)
-        made = Joint(target, target, joint.moment_arm, strain)
-        result = made.pressures(joint.angle, torques, joint.stiffness)
+        pair = Joint(target, target, joint.moment_arm, strain)
+        result = pair.pressures(joint.angle, torques, joint.stiffness)
     heads = ["torque [N·m]", "agonist [kPa]", "antagonist [kPa]", "stiffness [N·m/rad]", "status"]
     rows = [
         [f"{T:.6g}", kpa(P1), kpa(P2), f"{K:.6g}", f"{code}"]

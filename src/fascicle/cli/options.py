@@ -66,8 +66,8 @@ def with_options(name: str, group: Callable[..., Any]) -> Callable[[Callable], C
 
         @functools.wraps(command)
         def run(**values: Any) -> Any:
-            made = group(**{key: values.pop(key) for key in added})
-            return command(**values, **{name: made})
+            values[name] = group(**{key: values.pop(key) for key in added})
+            return command(**values)
 
         parameters = [*own.values(), *added.values()]
         run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
@@ -122,7 +122,7 @@ Out = Annotated[Text, _shared("Result file: .nc, .zarr, .csv or .json.", "PATH",
 _FOLDER = "Folder of results; default: named for the input, none with --json."
 OutFolder = Annotated[Text, _shared(_FOLDER, "FOLDER", "--out -o")]
 Plot = Annotated[Text, _shared("Figure file: .png, .svg or .pdf.", "PATH")]
-Overwrite = Annotated[bool, _shared("Replacement of existing files, any.", "", "--overwrite")]
+Overwrite = Annotated[bool, _shared("Replacement of any existing files.", "", "--overwrite")]
 
 
 class Command(TyperCommand):

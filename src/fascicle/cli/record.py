@@ -73,7 +73,7 @@ def read_pairs(texts: Texts, name: str) -> dict[str, str]:
 class Reading(NamedTuple):
     """Options of how files are read."""
 
-    rest_length: Text = option("Length of zero strain; default: the file's, else FILE's.", "LENGTH")
+    rest_length: Text = option("Length at no strain; default: the file's, else muscle's.", "LENGTH")
     unit: Texts = option("Unit that a header lacks: force=N; repeatable.", "ROLE=UNIT")
     column: Texts = option("Header of a column: force='Load cell 2'; repeatable.", "ROLE=HEADER")
     columns: Text = option(
@@ -82,12 +82,12 @@ class Reading(NamedTuple):
         "NAMES",
     )
     header: int | None = option("Line that names the columns; default: detected.", "LINE", min=1)
-    rows: Text = option("Rows, from 1 below the header: 40:200, or 40: for all on.", "FIRST:LAST")
+    rows: Text = option("Rows, from 1 below the header: 40:200, or 40: to the end.", "FIRST:LAST")
     table: Text = option("Sheet (.xlsx), matrix (.mat) or group (.tdms), or '*' for all.", "NAME")
     decimal: Text = option("Decimal separator, . or , ; default: detected.", "SIGN")
     pressure: Text = option("Pressure of all readings of the files.", "PRESSURE")
     constant: Texts = option("Constant of all readings: length=167mm; repeatable.", "ROLE=VALUE")
-    name_pattern: Text = option("Constants in names: {length}cm_{pressure}kPa, or *.", "PATTERN")
+    name_pattern: Text = option("Constants in names: {length}cm_{pressure}kPa*.", "PATTERN")
     zero: Texts = option("Reading of a gauge at zero or rest: force=8N; repeatable.", "ROLE=VALUE")
     scale: Texts = option("Gauge's quantity: force=12N/V; repeatable.", "ROLE=VALUE/UNIT")
     resample: Text = option("Step of one clock, for channels that have their own: 0.1s.", "TIME")
@@ -175,24 +175,28 @@ def record(
     from ..records import VirtualDynamometer
 
     with user_errors():
-        made = VirtualDynamometer(**settings).record(muscle, seed)
-    _write_record(made, out, overwrite)
-    strain, force, clipped = float(made.strain.max()), float(made.force.max()), made.censored.sum()
+        synthetic = VirtualDynamometer(**settings).record(muscle, seed)
+    _write_record(synthetic, out, overwrite)
+    strain, force, clipped = (
+        float(synthetic.strain.max()),
+        float(synthetic.force.max()),
+        synthetic.censored.sum(),
+    )
     if as_json:
         summary = {
             "synthetic": True,
             "path": out,
             "seed": seed,
-            "readings": len(made),
+            "readings": len(synthetic),
             "censored": int(clipped),
-            "rest_length": made.rest_length,
+            "rest_length": synthetic.rest_length,
             "largest_strain": strain,
             "largest_force": force,
-            "notes": list(made.notes),
+            "notes": list(synthetic.notes),
         }
         print(json.dumps(summary))
         return
-    print_line(f"wrote {out}: {len(made)} synthetic readings, {clipped} clipped")
+    print_line(f"wrote {out}: {len(synthetic)} synthetic readings, {clipped} clipped")
     print(f"largest contraction {strain:.4f}, largest force {force:.4g} N, seed {seed}")
 
 

@@ -59,28 +59,28 @@ def print_table(
     from rich.text import Text
 
     console = _console()
+    unlimited = console.options.update(max_width=_MAX_WIDTH)
     labels = [escape_invisible(head) for head in heads]
     texts = [["\n".join(map(sanitize_line, cell.split("\n"))) for cell in row] for row in rows]
-    keys, others = [*range(key_columns)], [*range(key_columns, len(heads))]
+    keys, columns = [*range(key_columns)], [*range(key_columns, len(heads))]
 
-    def print_table(columns: Sequence[int], narrow: bool) -> Table:
+    def build(columns: Sequence[int], narrow: bool) -> Table:
         """Table of some columns; a narrow one has heads broken at spaces, and no padding."""
-        made = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 0 if narrow else 1))
+        table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 0 if narrow else 1))
         for column in columns:
             label = labels[column].replace(" ", "\n") if narrow else labels[column]
-            made.add_column(Text(label), justify="right", no_wrap=True)
+            table.add_column(Text(label), justify="right", no_wrap=True)
         for row in texts:
-            made.add_row(*(Text(row[column]) for column in columns))
-        return made
+            table.add_row(*(Text(row[column]) for column in columns))
+        return table
 
     def width(columns: Sequence[int], narrow: bool) -> int:
-        made, unlimited = print_table(columns, narrow), console.options.update(max_width=_MAX_WIDTH)
-        return made.__rich_measure__(console, unlimited).maximum
+        return build(columns, narrow).__rich_measure__(console, unlimited).maximum
 
-    parts = [others]
-    if narrow := width([*keys, *others], False) >= console.width:
+    parts = [columns]
+    if narrow := width([*keys, *columns], False) >= console.width:
         parts, room = [], 0
-        for column in others:
+        for column in columns:
             needed = width([column], True) - 1  # without the left edge
             if needed > room:
                 parts, room = [*parts, []], console.width - width(keys, True)
@@ -88,7 +88,7 @@ def print_table(
             room -= needed
     for index, part in enumerate(parts):
         print_text(f"{title}{' (continued)' if index else ''}", "bold")
-        console.print(print_table([*keys, *part], narrow))
+        console.print(build([*keys, *part], narrow))
     if caption:
         print_text(caption)
 
