@@ -30,6 +30,14 @@ _MAX_FILE_SIZE = 1_000_000  # bytes; a muscle takes 500
 # dimensions of a muscle's sizes
 _SIZES = dict.fromkeys(("length", "outer_radius", "wall_thickness"), "length")
 _SIZES |= {"braid_angle": "angle"}
+# numbers of a tuning with their dimensions, and the values that a file leaves out
+_TUNING = (
+    ("youngs_modulus_factor", "number", 1),
+    ("collapse_moment_factor", "number", 1),
+    ("hinge_stiffness_factor", "number", 1),
+    ("transition_rate", "number", None),
+    ("dead_band", "pressure", 0),
+)
 _CALIBRATION = "calibration"
 
 
@@ -263,8 +271,8 @@ def _law(kind: str, section: str | schema.LawSection, location: FileLocation) ->
         raise location.error(("law",), f'missing, write law = "{laws.default.name}".')
     name = section.law or laws.default.name
     law: Any = laws[location.call(check_choice, name, laws, kind)]
-    table, others = section.model_extra or {}, type(section).model_fields
-    return location.call(law, **_arguments(law, name, table, location, others))
+    table, own_keys = section.model_extra or {}, type(section).model_fields
+    return location.call(law, **_arguments(law, name, table, location, own_keys))
 
 
 def _arguments(
@@ -349,24 +357,21 @@ def _muscle_table(muscle: Muscle) -> dict[str, Any]:
 def _tuning_entries(tuning: Tuning) -> dict[str, Any]:
     entries: dict[str, Any] = {}
     if np.size(tuning.pressures) > 1:  # the row at zero pressure alone is the identity
-        columns = (("pressure", tuning.pressures, "pressure"), ("c1", tuning.c1, "force"),
-                   ("c2", tuning.c2, ""))  # fmt: skip
-        for key, values, dimension in columns:
+        rows = {"pressure": tuning.pressures, "c1": tuning.c1, "c2": tuning.c2}
+        units = {"pressure": "pressure", "c1": "force"}
+        for key, values in rows.items():
             if np.ndim(values) != 1:
                 rule = f"has the shape {np.shape(values)}"
                 raise InvalidInputError(key, rule, None, "a file takes one list")
-            entries[key] = [exact(x, dimension) if dimension else x for x in map(float, values)]
-    for key in ("youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor"):
-        if (factor := _entry(getattr(tuning, key), "number", key)) != 1:
-            entries[key] = factor
-    if slope := _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope"):
-        hinge = {"constant": float(tuning.hinge_stiffness_factor)}
-        hinge |= {"slope": exact(slope, "inverse_pressure")}
-        entries["hinge_stiffness_factor"] = _inline_table(hinge)
-    if tuning.transition_rate is not None:
-        entries["transition_rate"] = _entry(tuning.transition_rate, "number", "transition_rate")
-    if _scalar(tuning.dead_band, "dead_band"):
-        entries["dead_band"] = _entry(tuning.dead_band, "pressure", "dead_band")
+            entries[key] = [exact(x, units[key]) if key in units else x for x in map(float, values)]
+    slope = _scalar(tuning.hinge_stiffness_slope, "hinge_stiffness_slope")
+    for key, dimension, default in _TUNING:
+        value = getattr(tuning, key)
+        if key == "hinge_stiffness_factor" and slope:
+            hinge = {"constant": float(value), "slope": exact(slope, "inverse_pressure")}
+            entries[key] = _inline_table(hinge)
+        elif value is not None and _scalar(value, key) != default:
+            entries[key] = _entry(value, dimension, key)
     return entries
 
 

@@ -104,7 +104,7 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     limit_entries = dict(file.limits or {})
     rule = 'must be a share of the draws above 0 and below 1, such as "95 %".'
     safety = limit_entries.pop(_SAFETY, USUAL_SHARE)
-    probability = _share(safety, lambda x: 0 < x < 1, limits_location, (_SAFETY,), rule)
+    probability = _fraction(safety, lambda x: 0 < x < 1, limits_location, (_SAFETY,), rule)
     limits, least_margin = _limits(limit_entries, limits_location)
     senses = _senses(file.objectives, root.child("objectives", kind="objectives"))
     limits_location.call(objectives.check_search, senses, objectives.with_reach_limits(limits))
@@ -217,7 +217,7 @@ def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[st
                 rule = 'must be a share in [0, 10], such as "20 %"; a limit is'
                 rule += ' margin = { at_least = "50 N" }.'
                 keys = (name, key) if is_table else (name,)
-                least_margin = _share(text, lambda x: 0 <= x <= 10, location, keys, rule)
+                least_margin = _fraction(text, lambda x: 0 <= x <= 10, location, keys, rule)
                 continue
             if key not in _BOUNDS:
                 raise location.error((name, key), "unknown key: write at_least or at_most.")
@@ -274,7 +274,7 @@ def _drawing(name: str, section: DesignSection, location: FileLocation, folder: 
         return muscle
 
 
-def _share(
+def _fraction(
     entry: Any, holds: Callable[[float], bool], location: FileLocation, keys: tuple, rule: str
 ) -> float:
     """A share [-] for which `holds` is true; else an error with the `rule`."""

@@ -91,11 +91,3 @@ def test_unmeasured_friction_is_refused(edit, message, tmp_path):
     fs.save(NOMINAL, tmp_path / "muscle.toml")
     with pytest.raises(ValueError, match=message):
         loads_scenario(SCENARIO.replace(*edit), folder=tmp_path)
-
-
-def test_joint_takes_the_measured_springs():
-    from fascicle.files import example_text
-
-    springs = '[hysteresis]\nkind = "maxwell_slip"\nstiffness = "4 N/mm"\nslip_force = "1 N"\n[run]'
-    plant = loads_scenario(example_text("joint_step").replace("[run]", springs, 1)).plant
-    assert_allclose(plant.hysteresis.stiffness, 4e3)

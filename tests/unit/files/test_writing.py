@@ -1,5 +1,3 @@
-import math
-
 import jax
 import jax.numpy as jnp
 import pytest
@@ -136,15 +134,3 @@ def test_refuses_what_a_file_cannot_describe(tmp_path):
         with pytest.raises(ValueError, match=words):
             save(obj, path)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_replaces_a_file_whole_and_follows_links(tmp_path):
-    path, link = tmp_path / "m.toml", tmp_path / "link.toml"
-    path.write_text("old")
-    path.chmod(0o640)
-    link.symlink_to(path)
-    save(example("kim2021_figure_6"), link)
-    assert link.is_symlink()
-    assert math.isclose(load(path).length, 0.127)
-    assert path.stat().st_mode & 0o777 == 0o640
-    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["link.toml", "m.toml"]

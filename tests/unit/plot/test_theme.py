@@ -41,10 +41,13 @@ def test_components_add_up_to_the_force():
         np.testing.assert_allclose(mesh + wall, total, atol=1e-12)
 
 
-def test_too_many_panels_are_refused():
+def test_too_many_panels_and_panels_on_given_axes_are_refused():
     with pytest.raises(InvalidInputError) as error:
         plot.force_strain(MUSCLE, np.linspace(0, 1e5, 5), STRAINS, components=True)
     assert (error.value.argument, error.value.value) == ("pressures", 5)
+    with pytest.raises(InvalidInputError) as error:
+        plot.force_strain(MUSCLE, components=True, ax=new_figure()[1][0, 0])
+    assert error.value.argument == "ax"
 
 
 def test_a_notebook_shows_a_figure_before_pyplot_made_one():
@@ -78,13 +81,6 @@ def test_pyplot_knows_figures_and_its_axes_are_drawn_on(tmp_path):
     command = [sys.executable, "-c", PYPLOT, tmp_path / "x.png"]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-
-
-def test_panels_are_not_drawn_on_given_axes():
-    _, axes = new_figure()
-    with pytest.raises(InvalidInputError) as error:
-        plot.force_strain(MUSCLE, components=True, ax=axes[0, 0])
-    assert error.value.argument == "ax"
 
 
 def test_a_notebooks_backend_stays_interactive(tmp_path):
