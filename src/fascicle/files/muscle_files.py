@@ -270,7 +270,8 @@ def _law(kind: str, section: str | schema.LawSection, location: FileLocation) ->
     if section.law is None and kind != "collapse":
         raise location.error(("law",), f'missing, write law = "{laws.default.name}".')
     name = section.law or laws.default.name
-    law: Any = laws[location.call(check_choice, name, laws, kind)]
+    with location.error_context():  # a law that is there loads no other package
+        law: Any = laws[name] if name in laws else check_choice(name, laws, kind)
     table, own_keys = section.model_extra or {}, type(section).model_fields
     return location.call(law, **_arguments(law, name, table, location, own_keys))
 
