@@ -13,6 +13,7 @@ from .terminal import count_decimals, grid, kpa, number, print_table, print_text
 
 
 if TYPE_CHECKING:
+    from ..bundle import Bundle
     from ..results.labelled import Variable
 
 _ROWS = 12  # strains of the workspace that are printed, about: as many as fit on a screen
@@ -172,15 +173,10 @@ def _print_space(variables: Mapping[str, "Variable"], units: int) -> None:
         print_table("Overlap of states", heads, rows)
     elif units > 1:
         print_text("One state reaches the whole workspace: there is no overlap.")
-    ends = zip(
-        grid(values["low"].T, decimals),
-        grid(high.T, decimals),
-        strict=True,
-    )
-    rows = [
-        [f"{strain:.4g}", *map(" to ".join, zip(low, top, strict=True))]
-        for strain, (low, top) in zip(strains, ends, strict=True)
-    ]
+    rows = []
+    for strain, *ends in zip(strains, values["low"].T, high.T, strict=True):
+        low, top = ([number(force, decimals) for force in edge] for edge in ends)
+        rows.append([f"{strain:.4g}", *map(" to ".join, zip(low, top, strict=True))])
     step = max(1, round(len(strains) / _ROWS))
     heads = ["strain [-]", *_state_heads(len(high))]
     print_table("Range of force of each state", heads, rows[::step])
@@ -222,11 +218,11 @@ def recruit(
         names = ", ".join(f"--{name.replace('_', '-')}" for name in missing)
         raise UserError(f"recruit needs --force, or of a joint {names}, too.")
     outputs = Outputs(as_json, as_csv, out, None, overwrite)
+    target = read_bundle(file, units)
     if force is None:
-        _recruit_joint(file, units, joint, strain, supply, outputs)
+        _recruit_joint(target, joint, strain, supply, outputs, f"Joint of two {file}")
         return
     forces, strains = read_list(force, "force", "--force"), read_list(strain, "strain", "--strain")
-    target = read_bundle(file, units)
     unit_count = len(target.motor_units)
     check_grid(len(forces), len(strains), unit_count, unit_count)
     import numpy as np
@@ -255,16 +251,10 @@ def recruit(
 
 
 def _recruit_joint(
-    file: str,
-    units: str | None,
-    joint: JointDemand,
-    strain: str,
-    supply: str | None,
-    outputs: Outputs,
+    target: "Bundle", joint: JointDemand, strain: str, supply: Text, outputs: Outputs, title: str
 ) -> None:
-    """Find the pressures of a `joint`, with a file's muscle or bundle on both sides."""
+    """Find the pressures of a `joint`, with a muscle or bundle on both sides."""
     torques = read_list(joint.torque or "", "moment", "--torque")
-    target = read_bundle(file, units)
     from ..control import Joint
     from ..results.tables import joint_pressures
 
@@ -280,7 +270,6 @@ def _recruit_joint(
     ]
     caption = "status: 0 reached, 1 stiffness too high, 2 too low, 3 torque out of reach"
     variables = joint_pressures(result)
-    title = f"Joint of two {file}"
     outputs.write(variables, lambda: print_table(caption, heads, rows), title=title)
     if count := int((result.status != 0).sum()):
         exit_incomplete(f"{count} of {len(rows)} demands can't be reached; see the nearest.")
@@ -328,7 +317,7 @@ def _print_pressures(variables: Mapping[str, "Variable"], is_free: bool) -> None
     if any(" u" in cell for row in rows for cell in row[-2:]):
         captions.append(_UNSTABLE)
     title = "Pressures for each demand"
-    print_table(title, [*heads, "other solutions"], rows, "; ".join(captions), key_columns=2)
+    print_table(title, [*heads, "other solutions"], rows, "; ".join(captions), keys=2)
 
 
 @with_options("outputs", Outputs)

@@ -127,12 +127,7 @@ def _read_exported(file: str, units: str | None, page: bool) -> Any:
 
 
 def _write_fmu(
-    fmu: str,
-    target: Any,
-    name: str,
-    sample_time: str | None,
-    platform: str | None,
-    overwrite: bool,
+    fmu: str, target: Any, name: str, sample_time: Text, platform: Text, overwrite: bool
 ) -> None:
     """Write a unit for co-simulation; without a compiler its sources, and an error."""
     from ..export import write_fmu

@@ -118,9 +118,12 @@ def is_path(target: str) -> bool:
 
 def read_muscle(name: str, remedy: str) -> "Muscle":
     """Read a muscle; `remedy`: advice for a bundle."""
-    if is_bundle(muscle := read_target(name)):
-        raise UserError(f"{name}: a bundle, not a muscle: {remedy}.")
-    return muscle
+    muscle = read_target(name)
+    from ..muscle import Muscle
+
+    if isinstance(muscle, Muscle):
+        return muscle
+    raise UserError(f"{name}: a bundle, not a muscle: {remedy}.")
 
 
 def read_bundle(name: str, units: str | None = None) -> "Bundle":
@@ -136,13 +139,6 @@ def read_bundle(name: str, units: str | None = None) -> "Bundle":
     if not all(text.isdecimal() and int(text) > 0 for text in counts):
         raise UserError(f"--units {units}: give whole numbers of muscles between commas: 1,4.")
     return Bundle([MotorUnit(target, int(text)) for text in counts])
-
-
-def is_bundle(target: Any) -> bool:
-    """True for a bundle, false for a muscle."""
-    from ..bundle import Bundle
-
-    return isinstance(target, Bundle)
 
 
 def read_states(texts: list[str] | None, bundle: "Bundle") -> list[list[float]]:

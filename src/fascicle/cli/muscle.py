@@ -15,15 +15,7 @@ from ..io.sanitize import sanitize_line
 from . import options
 from .bundle import check_equilibria, print_states
 from .errors import UserError, user_errors
-from .inputs import (
-    check_grid,
-    is_bundle,
-    load_laws,
-    read_list,
-    read_muscle,
-    read_states,
-    read_target,
-)
+from .inputs import check_grid, load_laws, read_list, read_muscle, read_states, read_target
 from .options import Text, Texts, argument, complete_target, flag, option, with_options
 from .outputs import Outputs, check_file, replace_output, write_text
 from .terminal import count_decimals, grid, kpa, number, print_line, print_table, print_text, status
@@ -49,12 +41,7 @@ _MEANINGS = {
 def force(
     outputs: Outputs,
     file: options.Target,
-    pressure: str = option(
-        "Gauge pressures: 34.5kPa, or 0kPa,5psi, or start:stop:step.",
-        "LIST",
-        "--pressure -p",
-        options.DEFAULT_PRESSURE,
-    ),
+    pressure: options.Pressure = options.DEFAULT_PRESSURE,
     strain: options.Strain = options.DEFAULT_STRAIN,
 ) -> None:
     """Compute a muscle's force over pressure and contraction."""
@@ -90,11 +77,8 @@ def _print_forces(variables: Mapping[str, "Variable"], blocked: float) -> None:
     print_text(
         "Positive forces pull. Past the free strain the muscle pushes: its force is negative."
     )
-    forces, regions = (
-        grid(variables["force"].values.T),
-        variables["region"].values.T,
-    )
-    rows = []
+    regions = variables["region"].values.T
+    rows, forces = [], grid(variables["force"].values.T)
     for strain, *pairs in zip(values["strain"], forces, regions, strict=True):
         cells = [f"{force}{_MARKS[region]}" for force, region in zip(*pairs, strict=True)]
         rows.append([f"{strain:.6g}", *cells])
@@ -123,9 +107,10 @@ def free_strain(
     collapse strain, or all equilibria of a bundle.
     """
     target = read_target(file)
+    from ..bundle import Bundle
     from ..results.tables import bundle_equilibria, muscle_free_strain
 
-    if is_bundle(target):
+    if is_bundle := isinstance(target, Bundle):
         pressures = read_states(pressure, target)
         units = len(pressures[0])
         check_grid(len(pressures), units, units)
@@ -147,7 +132,7 @@ def free_strain(
         strains = variables["free_strain"].values
         return free_strain_states(target, np.array(pressures), strains, not no_resistance)
 
-    table = print_states if is_bundle(target) else _print_free_strains
+    table = print_states if is_bundle else _print_free_strains
     outputs.write(variables, lambda: table(variables), figure, title=f"Free strain of {file}")
     check_equilibria(variables)
 
@@ -246,10 +231,9 @@ def laws(
         if kind in (None, name, law.name)
     ]
     if not laws:
+        names = {name for by_name in LAWS.values() for name in by_name}
         with user_errors():
-            check_choice(
-                kind or "", [*LAWS, *{x for by_name in LAWS.values() for x in by_name}], "kind"
-            )
+            check_choice(kind or "", [*LAWS, *names], "kind")
     constants = {law: [x.name for x in (*law.constants(), *law.switches())] for _, law in laws}
     if as_json:
         keys = ("kind", "law", "constants", "source", "package")

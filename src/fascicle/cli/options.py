@@ -16,20 +16,9 @@ from ..core.errors import InvalidInputError
 from .errors import UserError
 
 
-# arguments of the library, and the parameters of commands that set them
-_PARAMETERS = {
-    "supply_pressure": "supply",
-    "pressures": "pressure",
-    "states": "pressure",
-    "strains": "strain",
-    "forces": "force",
-    "names": "fit",
-    "units": "unit",
-    "columns": "column",
-    "constants": "constant",
-    "zeros": "zero",
-    "signs": "sign",
-}
+# arguments of the library, and parameters of commands that set them, where names differ by more
+# than a plural
+_PARAMETERS = {"supply_pressure": "supply", "states": "pressure", "names": "fit"}
 Text = str | None
 Texts = list[str] | None
 
@@ -98,6 +87,8 @@ _TARGET = "Muscle or bundle file, or a name from `fascicle muscles` [--measured]
 Target = Annotated[
     str, typer.Argument(metavar="FILE", help=_TARGET, autocompletion=complete_target)
 ]
+_PRESSURES = "Gauge pressures: 34.5kPa, or 0kPa,5psi, or start:stop:step."
+Pressure = Annotated[str, _shared(_PRESSURES, "LIST", "--pressure -p")]
 DEFAULT_PRESSURE = "0kPa:413.7kPa:68.95kPa"
 DEFAULT_STRAIN = "0:0.33:0.03"
 _STATES = (
@@ -148,7 +139,8 @@ class Command(TyperCommand):
         except UserError as error:
             if isinstance(cause := error.__cause__, InvalidInputError):
                 options = {p.name: p for p in self.params if p.param_type_name == "option"}
-                parameter = options.get(_PARAMETERS.get(cause.argument, cause.argument))
+                name = _PARAMETERS.get(cause.argument, cause.argument)
+                parameter = options.get(name) or options.get(name.removesuffix("s"))
                 if parameter is not None:
                     error.args = (cause.line(_longest_spelling(parameter)),)
             raise

@@ -177,18 +177,15 @@ def record(
     with user_errors():
         synthetic = VirtualDynamometer(**settings).record(muscle, seed)
     _write_record(synthetic, out, overwrite)
-    strain, force, clipped = (
-        float(synthetic.strain.max()),
-        float(synthetic.force.max()),
-        synthetic.censored.sum(),
-    )
+    strain, force = float(synthetic.strain.max()), float(synthetic.force.max())
+    clipped = int(synthetic.censored.sum())
     if as_json:
         summary = {
             "synthetic": True,
             "path": out,
             "seed": seed,
             "readings": len(synthetic),
-            "censored": int(clipped),
+            "censored": clipped,
             "rest_length": synthetic.rest_length,
             "largest_strain": strain,
             "largest_force": force,

@@ -48,9 +48,9 @@ def print_table(
     heads: Sequence[str],
     rows: Sequence[Sequence[str]],
     caption: str = "",
-    key_columns: int = 1,
+    keys: int = 1,
 ) -> None:
-    """Print a table; columns that don't fit follow below, with the first `key_columns` again.
+    """Print a table; columns that don't fit follow below, with the first `keys` columns again.
 
     Cells have one line or several.
     """
@@ -62,7 +62,7 @@ def print_table(
     unlimited = console.options.update(max_width=_MAX_WIDTH)
     labels = [escape_invisible(head) for head in heads]
     texts = [["\n".join(map(sanitize_line, cell.split("\n"))) for cell in row] for row in rows]
-    keys, columns = [*range(key_columns)], [*range(key_columns, len(heads))]
+    first, columns = [*range(keys)], [*range(keys, len(heads))]
 
     def build(columns: Sequence[int], narrow: bool) -> Table:
         """Table of some columns; a narrow one has heads broken at spaces, and no padding."""
@@ -78,17 +78,17 @@ def print_table(
         return build(columns, narrow).__rich_measure__(console, unlimited).maximum
 
     parts = [columns]
-    if narrow := width([*keys, *columns], False) >= console.width:
+    if narrow := width([*first, *columns], False) >= console.width:
         parts, room = [], 0
         for column in columns:
             needed = width([column], True) - 1  # without the left edge
             if needed > room:
-                parts, room = [*parts, []], console.width - width(keys, True)
+                parts, room = [*parts, []], console.width - width(first, True)
             parts[-1].append(column)
             room -= needed
     for index, part in enumerate(parts):
         print_text(f"{title}{' (continued)' if index else ''}", "bold")
-        console.print(build([*keys, *part], narrow))
+        console.print(build([*first, *part], narrow))
     if caption:
         print_text(caption)
 
