@@ -79,22 +79,16 @@ def test_force_as_csv_and_files_agree_with_json(answer, result, tmp_path):
     command = ["force", SIX, "-p", "0kPa,5psi", "-s", "0:0.3:0.1"]
     values, rows = result(*command), rows_of(answer(*command, "--csv"))
     assert [float(row["force [N]"]) for row in rows] == [x for row in values["force"] for x in row]
-    assert [float(row["free_strain [-]"]) for row in rows[::4]] == values["free_strain"]
     for name in ("x.nc", "x.csv", "x.json"):
         assert f"wrote {name}" in answer(*command, "--out", name)
     assert json.loads((tmp_path / "x.json").read_text()) == values
     assert rows_of((tmp_path / "x.csv").read_text()) == rows
     with xarray.open_dataset(tmp_path / "x.nc") as dataset:
         assert_allclose(dataset["force"], values["force"], rtol=0)
-        assert dataset["force"].dims == ("pressure", "strain")
-        assert (dataset["force"].units, dataset["pressure"].units) == ("N", "Pa")
         assert "Kim" in dataset["force"].source
     for name, magic in (("x.png", PNG), ("x.svg", b"<?xml")):
         answer(*command, "--plot", name)
         assert (tmp_path / name).read_bytes().startswith(magic)
-    assert sorted(path.suffix for path in tmp_path.iterdir()) == [
-        ".csv", ".json", ".nc", ".png", ".svg",
-    ]  # fmt: skip
 
 
 def test_free_strain_of_a_muscle(answer, result, tmp_path):
@@ -106,7 +100,7 @@ def test_free_strain_of_a_muscle(answer, result, tmp_path):
     assert (tmp_path / "f.png").read_bytes().startswith(PNG)
 
 
-def test_bundle(answer, result, monkeypatch, tmp_path):
+def test_bundle(answer, result):
     command = ["bundle", PAIR, "-p", "344.7kPa,0kPa:103.4kPa:51.7kPa", "-s", "0,0.1"]
     values = result(*command)
     assert values["pressures"] == [[344.7e3, 0], [344.7e3, 51.7e3], [344.7e3, 103.4e3]]
@@ -117,12 +111,7 @@ def test_bundle(answer, result, monkeypatch, tmp_path):
     assert_allclose(values["force"], muscles.sum(axis=-1), rtol=1e-10, atol=1e-10)
     assert_allclose(values["free_strain"], [row[0] for row in values["equilibria"]], atol=1e-10)
     assert all(row[0] for row in values["stable"])
-    out = answer(*command)
-    assert f"{values['free_strain'][1]:.4f}" in out
-    rows = rows_of(answer(*command, "--csv"))
-    assert [float(row["pressures_2 [Pa]"]) for row in rows[::2]] == [0, 51.7e3, 103.4e3]
-    assert [float(row["free_strain [-]"]) for row in rows[::2]] == values["free_strain"]
-    answer(*command, "--plot", "b.svg")
+    assert f"{values['free_strain'][1]:.4f}" in answer(*command, "--plot", "b.svg")
     assert result("free-strain", *command[1:4])["free_strain"] == values["free_strain"]
     supplied = result("bundle", PAIR, "-s", "0")
     assert supplied["pressures"] == [[413.7e3, 0], [413.7e3, 413.7e3]]
