@@ -427,11 +427,9 @@ def _share_past(fit: Calibration, residuals: Residuals, diagnosis: Diagnosis) ->
     if fit.problem.pulls or not diagnosis.significant:
         return 0.0
     trends = np.hstack([trend.columns for trend in diagnosis.significant])
-    Q = residuals.complement(residuals.model_subspace, trends)
+    Q, readings = residuals.complement(residuals.model_subspace, trends), residuals.readings
     square = (Q @ (Q.T @ residuals.residual))[residuals.is_reading] ** 2
-    readings = residuals.readings
-    free_strain = fit.free_strain[readings.level.astype(int)]
-    past = readings.strain * fit.strain_scale > free_strain
+    past = readings.strain * fit.strain_scale > fit.free_strain[readings.level.astype(int)]
     return float(np.sum(square[past]) / np.sum(square))
 
 
@@ -452,22 +450,19 @@ def _likely_causes(
     force = replace(problem, grid=stretched).force(fit.coordinates)[measured]
     force = np.pad(force, (0, strain.size - force.size))
     slope = (force - residuals.force) / _STRAIN_STEP
-    columns = {
-        "compliance": slope * residuals.force,
-        "unswelling_ends": slope * strain,
-        "length_zero": slope,
-        "load_cell_zero": np.ones(strain.size),
-        "rubber": np.stack([strain, strain**2, strain**3], axis=-1),
-    }
-    trends = residuals.trend_columns
-    if "branch" in trends:
-        columns["friction"] = trends["branch"]
-    if "time" in trends:  # one cycle of friction is like a drift
-        columns["drift" if "branch" in trends else "drift_or_friction"] = trends["time"]
-    trials = [
-        (_CAUSES_BY_CONSTANT.get(p.name, p.name), p.name, column) for p, column in effects.items()
+    trials = [(_CAUSES_BY_CONSTANT.get(p.name, p.name), p.name, x) for p, x in effects.items()]
+    trials += [
+        ("compliance", "", slope * residuals.force),
+        ("unswelling_ends", "", slope * strain),
+        ("length_zero", "", slope),
+        ("load_cell_zero", "", np.ones(strain.size)),
+        ("rubber", "", np.stack([strain, strain**2, strain**3], axis=-1)),
     ]
-    trials += [(code, "", column) for code, column in columns.items()]
+    trends = residuals.trend_columns
+    # one cycle of friction is like a drift
+    drift = "drift" if "branch" in trends else "drift_or_friction"
+    codes = {"branch": "friction", "time": drift}
+    trials += [(codes[along], "", column) for along, column in trends.items()]
     freedom = len(residuals.readings.residual) - residuals.slopes.shape[1]
     causes: dict[str, Cause] = {}
     for code, constant, column in trials:

@@ -43,12 +43,6 @@ _APART = 0.3  # of the record's duration: readings of one strain over a shorter 
 # at each of the values next to it, which a coarse gauge would repeat as well
 _END_COUNT, _END_SHARE, _END_RATIO, _END_NEIGHBORS = 5, 0.02, 4, 10
 _DISTINCT = 0.5  # of the readings: a channel with fewer values was set, or is from a table
-# standard deviations of the priors: what is usual on benches in laboratories
-_FORCE_ZERO = 0.03  # of the largest force: a cell that was zeroed with a muscle or clamp on it
-_FORCE_GAIN = 0.02  # a cell used with its nominal sensitivity, or calibrated with one weight
-_FORCE_DRIFT = 0.01  # of the largest force, over the record: warming of cell and amplifier
-_PRESSURE_ZERO = 0.01  # of the highest pressure: class of an industrial transducer
-_DISPLACEMENT_ZERO = 0.005  # of the length: a ruler held against the fittings
 
 
 @dataclass(frozen=True)
@@ -116,12 +110,12 @@ def default_deviations(
     """
     top = max(float(np.max(np.abs(force))), 1e-9)  # N: a deviation is never zero
     duration = float(np.ptp(elapsed)) or 1.0
-    return {
-        "force_zero": _FORCE_ZERO * top,
-        "force_gain": _FORCE_GAIN,
-        "force_drift": _FORCE_DRIFT * top / duration,
-        "pressure_zero": _PRESSURE_ZERO * max(float(np.max(pressure)), 1.0),
-        "displacement_zero": _DISPLACEMENT_ZERO * length,
+    return {  # what is usual on benches in laboratories
+        "force_zero": 0.03 * top,  # a cell that was zeroed with a muscle or clamp on it
+        "force_gain": 0.02,  # by the nominal sensitivity, or calibrated with one weight
+        "force_drift": 0.01 * top / duration,  # warming of cell and amplifier
+        "pressure_zero": 0.01 * max(float(np.max(pressure)), 1.0),  # an industrial transducer
+        "displacement_zero": 0.005 * length,  # a ruler held against the fittings
     }
 
 
@@ -141,12 +135,10 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     start = 0.0 if record.time is None else float(np.min(record.time))
     top = float(np.max(record.pressure))
     vented = (record.pressure <= VENTED * top) & (record.strain >= _STRETCHED) & ~record.censored
-    zeros, deviations = {}, {}
-    count = int(np.sum(vented))
+    zeros, deviations, count = {}, {}, int(np.sum(vented))
     if top > 0 and count >= _MIN_VENTED and "pressure" not in record.zeroed:
         P = record.pressure[vented]
-        # a transducer that writes its noise without the negative half has a mean below its
-        # deviation
+        # of a transducer that writes its noise without the negative half, below its deviation
         zero, scatter = float(np.mean(P)), float(np.std(P, ddof=1))
         # a zero that never changed is not exact: at least 1e-5 of the highest pressure
         deviations["pressure_zero"] = max(scatter / np.sqrt(count), 1e-5 * top)
@@ -175,13 +167,11 @@ def _read_load_cell(
     range_width = _STIFFER * straight * np.cumsum(strain[order]) / size
     rest = order[: int(np.argmin(CLEAR * noise / np.sqrt(size) + range_width)) + 1]
     push = _STIFFER * straight * strain[rest]
-    columns, names = [np.ones(rest.size)], ["force_zero"]
+    basis, names = np.ones((rest.size, 1)), ["force_zero"]
     if record.time is not None:
         elapsed = record.time[rest] - np.min(record.time)
         if np.ptp(elapsed) > _APART * np.ptp(record.time) > 0:
-            columns.append(elapsed)
-            names.append("force_drift")
-    basis = np.stack(columns, axis=1)
+            basis, names = np.insert(basis, 1, elapsed, axis=1), [*names, "force_drift"]
     inverse = np.linalg.pinv(basis)
     least, most = inverse @ record.force[rest], inverse @ (record.force[rest] + push)
     by_noise = noise * np.sqrt(np.sum(inverse**2, axis=1))

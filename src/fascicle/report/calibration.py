@@ -19,22 +19,8 @@ from ..muscle.validation import fitted_length_note
 from ..plot import to_bytes
 from ..records.record import dumps as record_text
 from ..units import pretty
+from . import calibration_words as words
 from .calibration_figures import curves_csv, figures
-from .calibration_words import (
-    actions,
-    candidate_label,
-    cause_words,
-    constant_rows,
-    fit_data_lines,
-    floor_text,
-    hysteresis_message,
-    interval_method,
-    search_lines,
-    selection_reasons,
-    verdict_lines,
-    warning_lines,
-    warnings_by_topic,
-)
 from .page import picture, render
 
 
@@ -89,26 +75,26 @@ def report(
     if clipped := fit.fit_data.clipped:
         unknowns.append(
             f"At {clipped} clipped readings the force is only known to be not above"
-            f" {floor_text(fit.fit_data.floor)}."
+            f" {words.floor_text(fit.fit_data.floor)}."
         )
     length = record.rest_length
     reference = "the muscle's own length" if length is None else pretty(length, "length")
     origin = "Synthetic: a model made it." if record.synthetic else "Measured, not synthetic."
     svg = drawn or {}
-    first, last = verdict_lines(fit, choice)
+    first, last = words.verdict_lines(fit, choice)
     return render(
         "calibration.html",
         title=_title(fit), date=date, fit=fit, choice=choice, posterior=posterior,
         comparison=[] if comparison is None else comparison.rows,
         levels=f"{P.size} pressures from {limits}" if P.size > 1 else f"{P[0] / 1e3:.4g} kPa",
-        verdict=[*first, *last], warnings=warnings_by_topic(fit),
-        data_lines=fit_data_lines(fit.fit_data),
-        hysteresis=hysteresis_message(fit) if fit.loop is not None else "",
+        verdict=[*first, *last], warnings=words.warnings_by_topic(fit),
+        data_lines=words.fit_data_lines(fit.fit_data),
+        hysteresis=words.hysteresis_message(fit),
         unknowns=unknowns, profiles={profile.name: profile for profile in profiles},
         length_note=fitted_length_note(fit.muscle), alpha=ALPHA, laws=laws_of(fit),
         correlation=fit.correlation + 0.0,  # no minus before a zero
-        reasons=[] if choice is None else selection_reasons(choice), label=candidate_label,
-        searches=search_lines(fit.solutions), interval_method=interval_method(fit),
+        reasons=words.selection_reasons(choice), label=words.candidate_label,
+        searches=words.search_lines(fit.solutions), interval_method=words.interval_method(fit),
         draws=[] if posterior is None else _posterior_rows(fit, posterior),
         record_lines=[origin, f"Strains refer to {reference}.", *record.notes],
         pictures={name: picture(figure, svg.get(name)) for name, figure in figures.items()},
@@ -147,9 +133,8 @@ def output_files(
     drawings = figures(fit, result.profiles, result.posterior, result.comparison)
     drawn = {name: to_bytes(figure, "svg") for name, figure in drawings.items()}
     page = report(result, date, drawings, drawn)
-    choice = result.choice
-    reasons = [] if choice is None else selection_reasons(choice)
-    texts = calibrated_files(fit, date, choice, warning_lines(fit), reasons)
+    reasons = words.selection_reasons(result.choice)
+    texts = calibrated_files(fit, date, result.choice, words.warning_lines(fit), reasons)
     texts |= {"report.html": page, "curves.csv": curves_csv(fit, result.posterior)}
     if with_notebook:
         texts |= {"record.csv": record_text(fit.record), "fit.ipynb": notebook(result)}
@@ -164,9 +149,9 @@ def notebook(result: CalibrationResult) -> str:
 
     It reads `record.csv`, `muscle.toml` and `curves.csv` beside it.
     """
-    first, last = verdict_lines(result.fit, result.choice)
+    first, last = words.verdict_lines(result.fit, result.choice)
     rows = ["| constant | value | 90 % interval |", "|---|---|---|"]
-    constants = constant_rows(result.fit.parameters)
+    constants = words.constant_rows(result.fit.parameters)
     rows += [f"| `{name}` | {value} | {interval} |" for name, value, interval in constants]
     text = "\n\n".join([f"# {_title(result.fit)}", *first, "\n".join(rows), *last])
     cells = [{"cell_type": "markdown", "id": "verdict", "metadata": {}, "source": text}]
@@ -235,21 +220,21 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
     fit, diagnosis = result.fit, result.fit.diagnosis
     causes = []
     for cause in map(vars, diagnosis.causes):
-        name, remedy = cause_words(cause)
+        name, remedy = words.cause_words(cause)
         causes.append({**cause, "name": name, "remedy": remedy})
     content = {
         **pick(fit, "rmse", "relative_rmse", "points", "censored", "status"),
         "parameters": {
             p.name: pick(p, "value", "low", "high", "identifiable", "bound") for p in fit.parameters
         },
-        "verdict": vars(judge(fit, result.choice)) | {"actions": list(actions(fit))},
+        "verdict": vars(judge(fit, result.choice)) | {"actions": list(words.actions(fit))},
         "synthetic": fit.record.synthetic,
         "method": fit.method,
         "noise": float(fit.problem.noise),
         "findings": [finding.to_json() for finding in calibration_findings(fit)],
-        "warnings": warning_lines(fit),
+        "warnings": words.warning_lines(fit),
         "notes": list(fit.record.notes),
-        "starts": search_lines(fit.solutions),
+        "starts": words.search_lines(fit.solutions),
         "readings": fit.fit_data.counts(),
         "trends": [pick(trend, "along", "share", "chance", "found") for trend in diagnosis.trends],
         "runs": [vars(run) for run in diagnosis.runs],
@@ -268,12 +253,12 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         content["friction"] = {**constants, "determined": list(friction.resolved), **facts}
     if (choice := result.choice) is not None:
         content["candidates"] = [
-            {"label": candidate_label(candidate), "names": list(candidate.names)}
+            {"label": words.candidate_label(candidate), "names": list(candidate.names)}
             | pick(candidate, "method", "constants", "rmse", "left_out_rmse", "relative_rmse")
             | pick(candidate, "relative_left_out_rmse", "readings", "violation", "chosen")
             for candidate in choice.candidates
         ]
-        content["reasons"] = selection_reasons(choice)
+        content["reasons"] = words.selection_reasons(choice)
     if result.profiles:
         content["profiles"] = {p.name: pick(p, "low", "high") for p in result.profiles}
     if (posterior := result.posterior) is not None:

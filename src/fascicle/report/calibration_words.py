@@ -371,8 +371,10 @@ def candidate_label(candidate: Candidate) -> str:
     return f"{label} and the factors on the resisting force" if has_factors else label
 
 
-def selection_reasons(selection: Selection) -> list[str]:
+def selection_reasons(selection: Selection | None) -> list[str]:
     """Reasons for the selected constants, a line each; none without a selection."""
+    if selection is None or not selection.candidates:
+        return []
     groups = [
         [candidate for candidate in selection.candidates if candidate.readings == readings]
         for readings in ("pulling", "all")
@@ -385,8 +387,6 @@ def selection_reasons(selection: Selection) -> list[str]:
         else:
             lines += _comparison_with_best(candidates, best)
         lines += [*_gains(candidates, best), *_exclusions(selection, candidates)]
-    if not lines:
-        return []
     fold = "stretch-of-strain" if selection.by_strain else "pressure"
     lines.append(
         f"Model selected by leave-one-{fold}-out cross-validation (one-standard-error rule): the"
