@@ -33,23 +33,8 @@ from ..calibrate.readings import (
 )
 from ..core.validation import HIGHEST_PRESSURE
 from ..muscle import Muscle
-from ..plot.theme import (
-    BLACK,
-    BLUE,
-    CYCLE,
-    DOUBLE,
-    GRAY,
-    SINGLE,
-    VERMILION,
-    WHITE,
-    force_strain_axes,
-    in_kilopascals,
-    letters,
-    new_figure,
-    new_panels,
-    pressure_colors,
-    styled,
-)
+from ..plot import theme
+from ..plot.theme import BLACK, BLUE, CYCLE, DOUBLE, GRAY, SINGLE, VERMILION, WHITE, styled
 from ..records.record import DOWN, UNKNOWN, Record
 from ..records.segmentation import runs
 from ..units import DIMENSIONS
@@ -74,7 +59,7 @@ _RESISTS = -0.005  # of the largest force: a push that is more than a zero's err
 _DASHED, _DOTTED = (0, (4, 2)), (0, (1, 1.5))
 _LAWS, _LABEL = 6, 48  # laws with a color of their own; characters of a name in a legend's line
 _DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)))
-_COLORS = ListedColormap(pressure_colors(256))
+_COLORS = ListedColormap(theme.pressure_colors(256))
 _DOT: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 2.6, "markeredgewidth": 0,
                         "alpha": 0.8}  # fmt: skip
 _BACK: dict[str, Any] = {**_DOT, "markeredgewidth": 0.7, "markerfacecolor": "none"}
@@ -251,10 +236,10 @@ def _variance(
 def draw_fit(data: FitPlot) -> Figure:
     """Figure of measured points and fitted curves over strain, with resistance enlarged."""
     if data.resists:
-        figure, axes = new_figure(1, 2, DOUBLE, 0.45 * DOUBLE)
-        letters(axes, ("all forces", "resistance, enlarged"))
+        figure, axes = theme.new_figure(1, 2, DOUBLE, 0.45 * DOUBLE)
+        theme.letters(axes, ("all forces", "resistance, enlarged"))
     else:
-        figure, axes = new_figure(width=0.72 * DOUBLE, height=0.48 * DOUBLE)
+        figure, axes = theme.new_figure(width=0.72 * DOUBLE, height=0.48 * DOUBLE)
     for ax in axes[0]:
         _draw_levels(ax, data)
     low, high = float(np.nanmin(data.force)), float(np.nanmax(data.force))
@@ -294,7 +279,7 @@ def _marks(data: FitPlot) -> list[tuple[str, dict[str, Any], str, np.ndarray]]:
 
 def _draw_levels(ax: Axes, data: FitPlot) -> None:
     """Draw points, fitted curves and bands of force over strain, a color for each pressure."""
-    force_strain_axes(ax)
+    theme.force_strain_axes(ax)
     norm, levels = _pressure_norm(data.pressure), data.pressure.size
     with_curve = _even_indices(levels, _CURVES)
     with_band = with_curve if levels < _CROWDED else _even_indices(levels, _BANDS)
@@ -328,7 +313,7 @@ def draw_residuals(data: FitPlot) -> Figure:
     }
     if data.time is not None and np.any(np.isfinite(data.time)):
         columns["time"] = ("Time t [s]", data.time)
-    figure, axes = new_figure(1, len(columns), DOUBLE, 0.4 * DOUBLE, sharey=True)
+    figure, axes = theme.new_figure(1, len(columns), DOUBLE, 0.4 * DOUBLE, sharey=True)
     norm, finite = _pressure_norm(P), np.isfinite(data.residual)
     # readings of one level side by side in the order of their strain, as far as there is room
     room = 0.35 * np.min(np.diff(P), initial=0.1 * max(P[-1], 1.0)) / 1e3
@@ -346,7 +331,7 @@ def draw_residuals(data: FitPlot) -> Figure:
             ax.axhline(side * data.noise, **_LIMIT, zorder=1)
         ax.set_xlabel(label)
     shares = {name: f": {100 * share:.2g} % of squares" for name, share in data.trends.items()}
-    letters(axes, (f"over {name}{shares.get(name, '')}" for name in columns))
+    theme.letters(axes, (f"over {name}{shares.get(name, '')}" for name in columns))
     axes[0, 0].set_ylabel("Measured less fitted force [N]")
     reach = max(np.nanmax(np.abs(data.residual), initial=0.0), 2 * data.noise)
     axes[0, 0].set_ylim(-1.12 * reach, 1.12 * reach)
@@ -383,7 +368,7 @@ def draw_readings(muscle: Muscle, readings: Readings) -> Figure:
     shape, line = np.zeros((P.size, mean.size)), np.zeros((P.size, mean.size))
     shape[:, :-2] = free[:, None] * (P / top)[:, None] ** np.arange(mean.size - 2)
     line[:, -2], line[:, -1] = 1.0, P / top
-    figure, axes = new_figure(1, 2, DOUBLE, 0.38 * DOUBLE)
+    figure, axes = theme.new_figure(1, 2, DOUBLE, 0.38 * DOUBLE)
     panels = (
         ("Blocked force $F_b$ [N]", line, readings.blocked_force, readings.blocked_force_deviation),
         ("Free strain $ε_f$ [–]", shape, readings.free_strain, readings.free_strain_deviation),
@@ -399,7 +384,7 @@ def draw_readings(muscle: Muscle, readings: Readings) -> Figure:
         ax.errorbar(readings.pressure[good] / 1e3, value, error, **dots)
         ax.set(xlabel="Pressure P [kPa]", ylabel=label, xlim=(0, 1.03 * P[-1] / 1e3))
         ax.set_ylim(bottom=min(0.0, float(np.min(value, initial=0.0))))
-    letters(axes, ("blocked force", "free strain"))
+    theme.letters(axes, ("blocked force", "free strain"))
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles[::-1], labels[::-1], loc="outside lower center", ncols=3)
     return figure
@@ -413,7 +398,7 @@ def draw_profiles(calibration: Calibration, profiles: Sequence[Profile]) -> Figu
     columns = 2 if count == 4 else min(count, 3)
     rows = -(-count // columns)
     width = SINGLE if columns == 1 else DOUBLE
-    figure, axes = new_panels(count, columns, width, rows * 0.27 * DOUBLE + 0.25, sharey=True)
+    figure, axes = theme.new_panels(count, columns, width, rows * 0.27 * DOUBLE + 0.25, sharey=True)
     for ax, profile in zip(axes.flat, profiles, strict=False):
         estimate = estimates[profile.name]
         kind = DIMENSIONS[estimate.dimension]
@@ -438,7 +423,7 @@ def draw_profiles(calibration: Calibration, profiles: Sequence[Profile]) -> Figu
             box = {"facecolor": WHITE, "alpha": 0.85, "linewidth": 0, "pad": 1.5}
             bold = {"color": VERMILION, "ha": "center", "va": "top", "weight": "bold"}
             ax.text(0.5, 0.96, "unidentifiable", transform=ax.transAxes, bbox=box, **bold)
-    letters(axes, (profile.name.replace("_", " ") for profile in profiles))
+    theme.letters(axes, (profile.name.replace("_", " ") for profile in profiles))
     for ax in axes[:, 0]:
         ax.set_ylabel("Rise of squares Δ [–]")
     estimate = {"linewidth": 1.2, "marker": "o", "label": "estimate, 90 % by covariance"}
@@ -466,7 +451,7 @@ def draw_loops(calibration: Calibration) -> Figure | None:
     gap = _SAME_LEVEL * float(np.ptp(levels))
     groups = np.split(levels, np.flatnonzero(np.diff(levels) > gap) + 1)
     groups = [groups[i] for i in _even_indices(len(groups), _LOOPS)]
-    figure, axes = new_figure(1, 2, DOUBLE, 0.42 * DOUBLE)
+    figure, axes = theme.new_figure(1, 2, DOUBLE, 0.42 * DOUBLE)
     over, width = axes[0]
 
     def style(color: Any, contracting: bool) -> dict[str, Any]:
@@ -476,16 +461,16 @@ def draw_loops(calibration: Calibration) -> Figure | None:
 
     names = ("inflating", "deflating") if isometric else ("contracting", "extending")
     handles = [Line2D([], [], label=name, **style(GRAY, name == names[0])) for name in names]
-    for group, color in zip(groups, pressure_colors(len(groups)), strict=True):
+    for group, color in zip(groups, theme.pressure_colors(len(groups)), strict=True):
         for run in (run for run in strokes if run.level in group):
             x = record.pressure[run.points] / 1e3 if isometric else record.strain[run.points]
             marks = max(1, x.size // 25)
             force = record.force[run.points]
             over.plot(x, force, markevery=marks, **style(color, run.branch != DOWN))
         mean = float(np.mean(group))
-        label = f"ε = {mean:.3g}" if isometric else in_kilopascals(mean)
+        label = f"ε = {mean:.3g}" if isometric else theme.in_kilopascals(mean)
         handles.append(Line2D([], [], color=color, linewidth=2, label=label))
-    force_strain_axes(over)
+    theme.force_strain_axes(over)
     if isometric:
         over.set_xlabel("Pressure P [kPa]")
     width.plot(loop.pressure / 1e3, loop.width, **_BLACK_DOTS, label="mean width")
@@ -497,7 +482,7 @@ def draw_loops(calibration: Calibration) -> Figure | None:
     width.set_ylim(bottom=min(0.0, float(np.min(loop.width))))
     width.legend(loc="best")
     fixed = "length" if isometric else "pressure"
-    letters(axes, (f"loops at one {fixed} each", "width of the loops"))
+    theme.letters(axes, (f"loops at one {fixed} each", "width of the loops"))
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return figure
 
@@ -514,14 +499,14 @@ def draw_laws(calibration: Calibration, comparison: LawComparison) -> Figure:
     count, best = levels.size, rows[:_LAWS]
     columns = min(count, 3)
     height = -(-count // 3) * 0.27 * DOUBLE + 0.16 * len(best) + 0.4
-    figure, axes = new_panels(count, columns, DOUBLE, height, sharex=True)
+    figure, axes = theme.new_panels(count, columns, DOUBLE, height, sharex=True)
     styles = [
         {"color": color, "linestyle": _DASHES[rank % len(_DASHES)]}
         for rank, color in enumerate(CYCLE[: len(best)])
     ]
     faint: dict[str, Any] = {"color": GRAY, "linewidth": 0.5}
     for place, (level, ax) in enumerate(zip(levels, axes.flat, strict=False)):
-        force_strain_axes(ax)
+        theme.force_strain_axes(ax)
         for rank, law in reversed([*enumerate(curves)]):
             style = styles[rank] if rank < _LAWS else {**faint, "alpha": 0.6}
             ax.plot(curve[level], law[level], **style)
@@ -537,7 +522,7 @@ def draw_laws(calibration: Calibration, comparison: LawComparison) -> Figure:
             ax.set_ylabel("")
         if place + columns < count:
             ax.set_xlabel("")
-    letters(axes, map(in_kilopascals, grid.pressure[levels, 0]))
+    theme.letters(axes, map(theme.in_kilopascals, grid.pressure[levels, 0]))
     handles = [Line2D([], [], **_BLACK_DOTS, label="measured (▽: clipped)")]
     labels = [fill(f"{row.label}: {row.rmse:.3g} N", _LABEL) for row in best]
     handles += [Line2D([], [], label=x, **y) for x, y in zip(labels, styles, strict=True)]
@@ -555,7 +540,7 @@ def _pressure_norm(pressure: np.ndarray) -> Normalize:
 def _add_pressure_scale(figure: Figure, axes: np.ndarray, pressure: np.ndarray) -> None:
     """Add a color bar of the pressures [Pa], or a title for a single one."""
     if pressure.size == 1:
-        axes.flat[0].set_title(f"P = {in_kilopascals(pressure[0])}", loc="right")
+        axes.flat[0].set_title(f"P = {theme.in_kilopascals(pressure[0])}", loc="right")
         return
     scale = ScalarMappable(_pressure_norm(pressure / 1e3), _COLORS)
     bar = figure.colorbar(scale, ax=list(axes.flat), label="Pressure P [kPa]", aspect=35, pad=0.015)
