@@ -1,7 +1,6 @@
 """The page of a search for a bundle: what to take, how to drive it, and what it costs."""
 
 import warnings
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -9,13 +8,12 @@ from matplotlib.patches import Circle
 
 from ..bundle.recruitment import overlap, workspace
 from ..design.answer import Answer
-from ..design.objectives import OBJECTIVES, SHARES, allowed_miss_fraction
+from ..design.objectives import OBJECTIVES, SHARES, Limit, allowed_miss_fraction
 from ..plot.theme import GRAY, SINGLE, VERMILION, new_figure, styled
 from ..plot.workspace import task as draw_task
 from ..units import pretty
 from .design_summary import (
     MISSED,
-    Table,
     cases_table,
     facts,
     format_objective,
@@ -46,20 +44,14 @@ def report(
 ) -> str:
     """Page of a search, as HTML.
 
-    **Arguments:**
-
-    - `answer`: to the search.
-    - `date`: of the day, such as "2026-05-04".
-    - `files`: names of the files beside the page.
-    - `seconds`: duration of the search [s], or `None`.
-    - `notes`: on omitted products and fit errors.
+    `date`: of the day, such as "2026-05-04"; `files`: names of those beside the page; `seconds`:
+    duration of the search [s]; `notes`: on omitted products and fit errors.
     """
     result = answer.result
     cases = cases_table(answer.summary, _CASES)
-    cases = cases._replace(rows=[_mark_result(row) for row in cases.rows])
-    tables = [splits_table(answer)]
-    if result.front.size:
-        tables.append(front_table(answer, _SHOWN))
+    marks = [mark(row[-1] != MISSED, row[-1], row[-1], "fails") for row in cases.rows]
+    rows = [[*row[:-1], result_mark] for row, result_mark in zip(cases.rows, marks, strict=True)]
+    tables = [splits_table(answer), front_table(answer, _SHOWN) if result.front.size else None]
     first = 0 if answer.is_recommended else 1  # the headline has the first finding
     return render(
         "design.html",
@@ -69,7 +61,7 @@ def report(
         findings=[words(finding, answer) for finding in answer.findings[first:]],
         changes=remedy_lines(answer),
         offers=offers_table(answer) if result.offers else None,
-        cases=cases,
+        cases=cases._replace(rows=rows),
         facts=[f"{name}: {text}" for name, text in facts(answer).items()],
         tables=[table for table in tables if table is not None],
         plane=picture(plane(answer)),
@@ -109,9 +101,8 @@ def trade_offs(answer: Answer) -> Figure:
         for offer, index in result.offers.items():
             ax.plot(x[index], y[index], "o", color=VERMILION, markersize=5)
             ax.annotate(offer, (x[index], y[index]), fontsize=6, rotation=20)
-        unit = OBJECTIVES[name].unit
-        ax.set(xlabel=f"{objective_label(first)} [{OBJECTIVES[first].unit}]")
-        ax.set(ylabel=f"{objective_label(name)} [{unit}]")
+        x_label, y_label = (f"{objective_label(n)} [{OBJECTIVES[n].unit}]" for n in (first, name))
+        ax.set(xlabel=x_label, ylabel=y_label)
     return figure
 
 
@@ -143,11 +134,6 @@ def sketch(answer: Answer) -> Figure:
     return figure
 
 
-def _mark_result(row: list[str]) -> list[Any]:
-    """Row of a load case whose last cell, reached or missed, is a mark."""
-    return [*row[:-1], mark(row[-1] != MISSED, row[-1], row[-1], "fails")]
-
-
 def _terms(answer: Answer) -> list[str]:
     """Sentences on the task, objectives and limits."""
     result = answer.result
@@ -155,18 +141,14 @@ def _terms(answer: Answer) -> list[str]:
     hint = "" if fraction else " To allow it to miss a share, write [limits] not_reached."
     terms = [f"Every design must {task_requirement(result)}.{hint}"]
     senses = {"min": ", less is better", "max": ", more is better", None: ", only recorded"}
-    for name in dict.fromkeys([*result.reported_objectives, *(n for n in SHARES if fraction)]):
-        bounds = []
-        if (limit := result.limits.get(name)) is not None:
-            bounds = [
-                f"{word} {format_objective(name, bound)}"
-                for word, bound in (("at least", limit.least), ("at most", limit.most))
-                if np.isfinite(bound)
-            ]
+    for name in dict.fromkeys([*result.reported_objectives, *(SHARES if fraction else ())]):
+        limit = result.limits.get(name, Limit())
+        bounds = [
+            f"{word} {format_objective(name, bound)}"
+            for word, bound in (("at least", limit.least), ("at most", limit.most))
+            if np.isfinite(bound)
+        ]
         limits = f"; limited to {' and '.join(bounds)}" if bounds else ""
         sense = senses[result.senses.get(name)]
         terms.append(f"`{name}`{sense}{limits}: {OBJECTIVES[name].about}.")
     return terms
-
-
-__all__ = ["Table", "plane", "report", "sketch", "trade_offs"]

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..core.findings import Finding
 from ..design.answer import Answer, Remedy
-from ..design.cycle import BAND, WIDEST_BORE
-from ..design.designs import Designs
+from ..design.cycle import BAND, WIDEST_BORE, CycleRun, ValveSizing
+from ..design.designs import Designs, label
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import BY_WEIGHT, OBJECTIVES, allowed_miss_fraction
 from ..design.summary import STANDARD_GRAVITY, Summary
@@ -63,20 +63,6 @@ def percent(fraction: float) -> str:
     return f"{fraction:.3g}×" if fraction >= _LARGE else f"{100 * fraction:.3g} %"
 
 
-def muscle_sizes(result: SearchResult, designs: Designs, index: int) -> str:
-    """Sizes of the muscles of one of the `designs` of a search, with an `index`, in a line."""
-    used = designs.counts[index] > 0
-    radii = dict.fromkeys(format_digits(1e3 * r) for r in designs.radius[index][used])
-    walls = dict.fromkeys(f"{1e3 * t:.3g}" for t in designs.wall[index][used])
-    text = (
-        f"length {pretty(designs.length[index], 'length')}, radius {', '.join(radii)} mm,"
-        f" wall {', '.join(walls)} mm, braid {np.degrees(designs.angle[index, 0]):.3g}°"
-    )
-    names = list(designs.drawings)
-    name = names[designs.kind[index]]
-    return text if len(names) == 1 and not result.catalog.products else f"{name}: {text}"
-
-
 def task_requirement(result: SearchResult) -> str:
     """Words after "must": reach every load case, or miss no more than a share of them."""
     miss = allowed_miss_fraction(result.limits)
@@ -85,37 +71,48 @@ def task_requirement(result: SearchResult) -> str:
     return f"miss no more than {100 * miss:.4g} % of the load cases, by number and by weight"
 
 
-def composition_text(summary: Summary) -> str:
-    """Composition of a design in words."""
-    muscles = "muscle" if summary.muscles == 1 else "muscles"
+def _muscle_sizes(result: SearchResult, designs: Designs, index: int) -> str:
+    used = designs.counts[index] > 0
+    radii = dict.fromkeys(format_digits(1e3 * r) for r in designs.radius[index][used])
+    walls = dict.fromkeys(f"{1e3 * t:.3g}" for t in designs.wall[index][used])
+    text = (
+        f"length {pretty(designs.length[index], 'length')}, radius {', '.join(radii)} mm,"
+        f" wall {', '.join(walls)} mm, braid {np.degrees(designs.angle[index, 0]):.3g}°"
+    )
+    names = list(designs.drawings)
+    is_named = len(names) > 1 or result.catalog.products
+    return f"{names[designs.kind[index]]}: {text}" if is_named else text
+
+
+def _composition(summary: Summary) -> str:
+    muscles = f"{summary.muscles} muscle{'s' * (summary.muscles != 1)}"
     if summary.valves == 1:
-        return f"{summary.muscles} {muscles} in 1 motor unit"
-    return f"{summary.muscles} {muscles} in {summary.valves} motor units ({summary.label})"
+        return f"{muscles} in 1 motor unit"
+    return f"{muscles} in {summary.valves} motor units ({summary.label})"
 
 
 def headline(answer: Answer) -> list[str]:
     """First sentences: what to take, how safe it is, and why; or that nothing is recommended."""
-    result, summary = answer.result, answer.summary
+    result, summary, safety = answer.result, answer.summary, answer.result.safety
     design = result.all_designs(np.array([answer.index]))
-    sizes = f"{composition_text(summary)}, {muscle_sizes(result, design, 0)}"
+    sizes = f"{_composition(summary)}, {_muscle_sizes(result, design, 0)}"
     if not answer.is_recommended:
         return [words(answer.findings[0], answer), _nearest_text(answer, sizes)]
     lines = [f"Take design {(result.recommended or 0) + 1}: {sizes}."]
-    if (safety := result.safety) is not None:
+    lines.append(f"margin: {_margin_text(summary)}.")
+    designs = "the designs that keep all limits"
+    if safety is not None:
+        designs, judged = "the safe designs", safety.uncertainty
         low = np.quantile(safety.spread.values["relative_margin"][result.recommended], 0.05)
         lines.append(
-            f"safety: holds in {percent(safety.probability)} of {safety.uncertainty.draws} draws of"
-            f" scatter ({percent(safety.uncertainty.share)} needed); margin"
-            f" {percent(low)} at the 5th percentile; standard deviations:"
-            f" {safety.uncertainty.assumptions}."
+            f"safety: holds in {percent(safety.probability)} of {judged.draws} draws of scatter"
+            f" ({percent(judged.share)} needed); margin {percent(low)} at the 5th percentile;"
+            f" standard deviations: {judged.assumptions}."
         )
+    if next(iter(result.offers)) == "cheapest":
+        return [*lines, f"It has the lowest price of muscles and valves of {designs}."]
     objectives = ", ".join(map(objective_label, result.senses))
-    designs = "the safe designs" if safety is not None else "the designs that keep all limits"
-    reason = {
-        "cheapest": f"It has the lowest price of muscles and valves of {designs}.",
-        "compromise": f"It is the best compromise of {objectives} among {designs}.",
-    }[next(iter(result.offers))]
-    return [lines[0], f"margin: {_margin_text(summary)}.", *lines[1:], reason]
+    return [*lines, f"It is the best compromise of {objectives} among {designs}."]
 
 
 def _nearest_text(answer: Answer, sizes: str) -> str:
@@ -127,13 +124,12 @@ def _nearest_text(answer: Answer, sizes: str) -> str:
     if cases.reached.all():
         return f"The nearest reaches every load case: {sizes}."
     i, missed = cases.worst, int(np.sum(~cases.reached))
-    force = float(cases.largest[i])
+    force, strain = float(cases.largest[i]), cases.task.strain_of(cases.length)[i]
     response = f"it gives {pretty(force, 'force')}" if force > 0 else "it only pushes"
     return (
         f"The nearest is {sizes}. It misses {missed} of {len(cases.task)} load cases, worst case"
-        f" {i + 1} by {pretty(-float(cases.spare[i]), 'force')}:"
-        f" {pretty(float(cases.task.force[i]), 'force')} at"
-        f" {100 * cases.task.strain_of(cases.length)[i]:.3g} % contraction, where {response}."
+        f" {i + 1} by {pretty(-cases.spare[i], 'force')}: {pretty(cases.task.force[i], 'force')} at"
+        f" {100 * strain:.3g} % contraction, where {response}."
     )
 
 
@@ -141,11 +137,10 @@ def _margin_text(summary: Summary) -> str:
     cases = summary.cases
     reached = np.flatnonzero(cases.reached)
     i = int(reached[np.argmin(cases.relative[reached])])
-    spare = float(cases.spare[i])
+    demanded, available, spare = (x[i] for x in (cases.task.force, cases.largest, cases.spare))
     return (
-        f"{percent(summary.relative_margin)} at case {i + 1}:"
-        f" {pretty(float(cases.task.force[i]), 'force')} demanded,"
-        f" {pretty(float(cases.largest[i]), 'force')} available, {pretty(spare, 'force')} to spare"
+        f"{percent(summary.relative_margin)} at case {i + 1}: {pretty(demanded, 'force')} demanded,"
+        f" {pretty(available, 'force')} available, {pretty(spare, 'force')} to spare"
         f" (weight of {pretty(spare / STANDARD_GRAVITY, 'mass', 3)})"
     )
 
@@ -179,25 +174,20 @@ def front_table(answer: Answer, most: int) -> Table:
 def _designs_table(
     result: SearchResult, rows: list[tuple[int, str]], title: str, caption: str
 ) -> Table:
-    designs = result.all_designs(np.array([row for row, _ in rows], int))
+    """Table of recorded designs, by index and name."""
+    indices = np.array([row for row, _ in rows], int)
+    designs, names = result.all_designs(indices), result.reported_objectives
+    columns = {"design": [name for _, name in rows], "units": designs.labels}
+    for name in names:
+        values = result.values[name][indices].tolist()
+        columns[objective_label(name)] = [format_objective(name, value) for value in values]
     price = result.catalog.price(designs)
-    names = result.reported_objectives
-    heads = ["design", "units", *map(objective_label, names)]
-    priced = bool(np.isfinite(price).any())
-    cells = [
-        [
-            name,
-            designs.labels[i],
-            *(
-                format_objective(n, float(result.values[n][row]))
-                for n in result.reported_objectives
-            ),
-            *([f"{price[i]:.6g} {result.catalog.currency}"] if priced else []),
-            muscle_sizes(result, designs, i),
-        ]
-        for i, (row, name) in enumerate(rows)
-    ]
-    return Table(title, [*heads, *(["price"] * priced), "sizes"], cells, caption)
+    if np.isfinite(price).any():
+        columns["price"] = [f"{value:.6g} {result.catalog.currency}" for value in price]
+    columns["sizes"] = [_muscle_sizes(result, designs, i) for i in range(len(rows))]
+    return Table(
+        title, list(columns), list(map(list, zip(*columns.values(), strict=True))), caption
+    )
 
 
 def splits_table(answer: Answer) -> Table | None:
@@ -205,14 +195,12 @@ def splits_table(answer: Answer) -> Table | None:
     splits = answer.splits
     if splits is None or len(splits.designs) < 2:
         return None
-    names = [n for n in splits.values if n != "relative_margin"]
+    names = [name for name in splits.values if name != "relative_margin"]
     rows = [
-        [
-            str(int(splits.designs.units[i])),
-            splits.designs.labels[i],
-            *(format_objective(name, float(splits.values[name][i])) for name in names),
-        ]
-        for i in range(len(splits.designs))
+        [str(valves), units, *(format_objective(n, float(splits.values[n][i])) for n in names)]
+        for i, (valves, units) in enumerate(
+            zip(splits.designs.units, splits.designs.labels, strict=True)
+        )
     ]
     heads = ["valves", "units", *map(objective_label, names)]
     return Table("The same muscles in more motor units, each number at its best", heads, rows)
@@ -232,23 +220,21 @@ def cases_table(summary: Summary, limit: int) -> Table:
         caption += "; held open: where the load goes if a valve stays open to the supply"
     strain, stroke = task.strain_of(cases.length), task.stroke_of(cases.length)
     rows = [
-        [
-            str(i + 1),
-            pretty(task.force[i], "force"),
-            pretty(stroke[i], "length"),
-            f"{100 * strain[i]:.3g} %",
-            *(pretty(P, "pressure") for P in cases.pressures[i]),
-            pretty(cases.largest[i], "force"),
-            percent(cases.relative[i]),
-            pretty(summary.held_open[i], "length"),
-            "reached" if cases.reached[i] else MISSED,
-        ]
+        {
+            "case": str(i + 1),
+            "force": pretty(task.force[i], "force"),
+            "stroke": pretty(stroke[i], "length"),
+            "contraction": f"{100 * strain[i]:.3g} %",
+            **{f"P{u + 1}": pretty(P, "pressure") for u, P in enumerate(cases.pressures[i])},
+            "available": pretty(cases.largest[i], "force"),
+            "margin": percent(cases.relative[i]),
+            "held open": pretty(summary.held_open[i], "length"),
+            "": "reached" if cases.reached[i] else MISSED,
+        }
         for i in indices.tolist()
     ]
-    units = [f"P{unit + 1}" for unit in range(cases.pressures.shape[1])]
-    ends = ["available", "margin", "held open", ""]
-    title = f"Load cases and pressures, {composition_text(summary)}"
-    return Table(title, ["case", "force", "stroke", "contraction", *units, *ends], rows, caption)
+    title = f"Load cases and pressures, {_composition(summary)}"
+    return Table(title, list(rows[0]), [list(row.values()) for row in rows], caption)
 
 
 def facts(answer: Answer) -> dict[str, str]:
@@ -276,23 +262,20 @@ def facts(answer: Answer) -> dict[str, str]:
         of = "muscles" if whole else "bladders, without braid and fittings"
         lines["mass"] = f"{pretty(summary.mass, 'mass', 3)} of {of}"
     volume = "normal liters" if fluid == "air" else "liters"
-    cost = ""
-    if summary.cost_of_a_cycle is not None:
-        amount = format_digits(1000 * summary.cost_of_a_cycle, 3)
-        cost = f"; {amount} {catalog.currency} for 1000 cycles"
     cycle = "from rest to a load case and back" if cases.task.time is None else "of the task"
     used = format_digits(cases.fluid_of_a_cycle / _LITER, 3)
-    lines[fluid] = f"{used} {volume} for a cycle {cycle}{cost}"
-    lines["valves"] = _valves_text(answer)
+    lines[fluid] = f"{used} {volume} for a cycle {cycle}"
+    if summary.cost_of_a_cycle is not None:
+        amount = format_digits(1000 * summary.cost_of_a_cycle, 3)
+        lines[fluid] += f"; {amount} {catalog.currency} for 1000 cycles"
+    lines["valves"] = _valves_text(summary, answer.run)
     if summary.price is not None:
         price = format_digits(summary.price, 6)
         lines["price"] = f"{price} {catalog.currency}, of muscles and valves"
-    margins = (
-        f"{_ROBUSTNESS[key]}: "
-        + (f"margin {percent(value)}" if value >= 0 else f"short by {percent(-value)}")
+    lines["robustness"] = "; ".join(
+        f"{_ROBUSTNESS[key]}: {'margin' if value >= 0 else 'short by'} {percent(abs(value))}"
         for key, value in answer.robustness.items()
     )
-    lines["robustness"] = "; ".join(margins)
     missed = ~cases.reached
     if allowed_miss_fraction(result.limits) > 0 and missed.any():
         weight = float(np.average(missed, weights=cases.task.weight))
@@ -310,18 +293,16 @@ def facts(answer: Answer) -> dict[str, str]:
     return lines
 
 
-def _valves_text(answer: Answer) -> str:
+def _valves_text(summary: Summary, run: CycleRun | None) -> str:
     """Valves that hold the pressures, and valves and hoses for the cycle, in words."""
-    summary = answer.summary
-    sizing = summary.sizing
-    partial = np.any(
-        (summary.cases.pressures > 0)
-        & (summary.cases.pressures < 0.999 * summary.cases.task.supply_pressure)
-    )
-    kind = "a proportional valve or regulator" if partial else "an on/off 3/2 valve"
-    text = f"{kind} for each motor unit"
-    if partial:
-        text += " (or a 3/3 valve with closed center, or an on/off valve and a stop)"
+    cases, sizing = summary.cases, summary.sizing
+    is_part = cases.pressures < 0.999 * cases.task.supply_pressure
+    text = "an on/off 3/2 valve for each motor unit"
+    if np.any((cases.pressures > 0) & is_part):
+        text = (
+            "a proportional valve or regulator for each motor unit (or a 3/3 valve with closed"
+            " center, or an on/off valve and a stop)"
+        )
     if sizing is None or not sizing.feasible:
         return text
     conductances = dict.fromkeys(format_digits(1e8 * C, 3) for C in sizing.conductance)
@@ -337,18 +318,21 @@ def _valves_text(answer: Answer) -> str:
         f"; {format_digits(6e4 * summary.flow, 3)} normal liters a minute,"
         f" {format_digits(summary.supply_power, 3)} W of compression"
     )
-    if (run := answer.run) is not None and math.isfinite(run.lifted):
-        force = summary.cases.task.force[sizing.run_case]
-        # of the smoothest way up: half a wave of the load's position
-        peak = force * (1 + np.pi**2 * run.stroke / 2 / sizing.cycle.lift**2 / STANDARD_GRAVITY)
-        verdict = "passes" if run.passes(sizing.cycle) else "FAILS"
-        text += (
-            f"; run over time at these pressures: {verdict}, lifted after"
-            f" {pretty(run.lifted, 'time', 3)}, released after {pretty(run.released, 'time', 3)},"
-            f" overshoot {percent(max(run.overshoot, 0.0))} ({percent(BAND)} allowed); peak force"
-            f" with acceleration {pretty(float(peak), 'force', 3)}"
-        )
+    if run is not None and math.isfinite(run.lifted):
+        text += _run_text(run, sizing, float(cases.task.force[sizing.run_case]))
     return text
+
+
+def _run_text(run: CycleRun, sizing: ValveSizing, force: float) -> str:
+    # of the smoothest way up: half a wave of the load's position
+    peak = force * (1 + np.pi**2 * run.stroke / 2 / sizing.cycle.lift**2 / STANDARD_GRAVITY)
+    verdict = "passes" if run.passes(sizing.cycle) else "FAILS"
+    return (
+        f"; run over time at these pressures: {verdict}, lifted after"
+        f" {pretty(run.lifted, 'time', 3)}, released after {pretty(run.released, 'time', 3)},"
+        f" overshoot {percent(max(run.overshoot, 0.0))} ({percent(BAND)} allowed); peak force"
+        f" with acceleration {pretty(peak, 'force', 3)}"
+    )
 
 
 def remedy_lines(answer: Answer) -> list[str]:
@@ -357,25 +341,24 @@ def remedy_lines(answer: Answer) -> list[str]:
 
 
 def _remedy_text(remedy: Remedy, answer: Answer) -> str:
-    label, safe = objective_label(remedy.what), answer.result.safety is not None
-    dimension = _REMEDY_DIMENSIONS.get(remedy.what, "")
-    most = pretty(remedy.most, dimension) if dimension else f"{remedy.most:.0f}"
+    name, dimension = objective_label(remedy.what), _REMEDY_DIMENSIONS.get(remedy.what, "")
     if remedy.value is None:
-        reason = "reaches the task" if not remedy.reaches else "keeps every limit"
-        reason += " safely" if safe and remedy.reaches else ""
-        return f"{label}: no value up to {most} {reason}."
+        most = pretty(remedy.most, dimension) if dimension else f"{remedy.most:.0f}"
+        reason = "keeps every limit" if remedy.reaches else "reaches the task"
+        reason += " safely" * (answer.result.safety is not None and remedy.reaches)
+        return f"{name}: no value up to {most} {reason}."
     if remedy.what == "muscles":
-        *counts, last = [
-            int(n) for n in answer.result.all_designs(np.array([answer.index])).counts[0] if n
-        ]
-        units = "+".join(str(n) for n in [*counts, last + round(remedy.value - remedy.now)])
-        return f"{label}: {remedy.value:.0f} of this size instead of {remedy.now:.0f} ({units})."
-    up = remedy.value >= remedy.now
-    text = f"{_rounded(remedy.value, dimension, up)} instead of {pretty(remedy.now, dimension)}"
+        counts = answer.result.all_designs(np.array([answer.index])).counts[0]
+        counts = counts[counts > 0]
+        counts[-1] += round(remedy.value - remedy.now)
+        units = label(counts)
+        return f"{name}: {remedy.value:.0f} of this size instead of {remedy.now:.0f} ({units})."
+    sufficient = _rounded(remedy.value, dimension, remedy.value >= remedy.now)
+    text = f"{name}: {sufficient} instead of {pretty(remedy.now, dimension)}"
     if remedy.what == "supply_pressure" and remedy.value > remedy.measured:
         measured = pretty(remedy.measured, dimension)
         text += f", above the {measured} up to which the tuning was measured"
-    return f"{label}: {text}{', walls in proportion' * (remedy.what == 'radius')}."
+    return f"{text}{', walls in proportion' * (remedy.what == 'radius')}."
 
 
 def _rounded(value: float, dimension: str, up: bool) -> str:
@@ -389,58 +372,7 @@ def _rounded(value: float, dimension: str, up: bool) -> str:
     return pretty(number / 10.0**decimals * size, dimension, 4)
 
 
-Data = Mapping[str, Any]
-
-
-def _unsafe(data: Data, answer: Answer) -> str:
-    return (
-        f"No design is recommended: {data['allowed']} of {answer.result.judged} designs"
-        f" {task_requirement(answer.result)} and keep all limits at their nominal sizes, but none"
-        f" holds in {percent(data['demanded'])} of the draws: the surest in"
-        f" {percent(data['share'])}. To accept less, write"
-        f' safety = "{np.floor(100 * data["share"]):.0f} %" in [limits].'
-    )
-
-
-def _out_of_reach(_: Data, answer: Answer) -> str:
-    return (
-        f"No design is recommended: none of the {answer.result.judged} evaluated designs can"
-        f" {task_requirement(answer.result)}."
-    )
-
-
-def _limits_broken(data: Data, answer: Answer) -> str:
-    return (
-        f"{data['reaching']} of {answer.result.judged} designs {task_requirement(answer.result)},"
-        " but none of them keeps all other limits: none is recommended."
-    )
-
-
-def _limit_costs(data: Data, _: Answer) -> str:
-    name = data["objective"]
-    low, high = (format_objective(name, data[key]) for key in ("least", "most"))
-    return (
-        f"{objective_label(name)}: {data['keeping']} designs keep its limit; all lie between {low}"
-        f" and {high}."
-    )
-
-
-def _small_margin(data: Data, _: Answer) -> str:
-    return (
-        f"the margin is {percent(data['margin'])}, below {percent(data['least'])} ([limits]"
-        " margin). Computed forces can be off by tens of percent: it may fail the task."
-    )
-
-
-def _no_valve(data: Data, _: Answer) -> str:
-    hose = pretty(data["hose_length"] or 0.0, "length", 3)
-    return (
-        f"no valve is fast enough: a hose of {hose} up to {1e3 * WIDEST_BORE:g} mm wide lets too"
-        " little air through. Take a shorter hose, or more time, in [cycle]."
-    )
-
-
-def _held_open(data: Data, answer: Answer) -> str:
+def _held_open(data: Mapping[str, Any], answer: Answer) -> str:
     cases = answer.summary.cases
     stroke = pretty(float(cases.task.stroke_of(cases.length)[data["case"]]), "length", 3)
     return (
@@ -450,18 +382,43 @@ def _held_open(data: Data, answer: Answer) -> str:
     )
 
 
-_CATALOGUE: dict[str, Callable[[Data, Answer], str]] = {
-    "design.unsafe": _unsafe,
-    "design.out_of_reach": _out_of_reach,
-    "design.limits_broken": _limits_broken,
-    "design.limit_costs": _limit_costs,
-    "design.product_excluded": lambda d, _: f"{d['product']} must not be used: {d['reason']}.",
-    "design.small_margin": _small_margin,
-    "design.no_valve": _no_valve,
+_CATALOGUE: dict[str, Callable[[Mapping[str, Any], Answer], str]] = {
+    "design.unsafe": lambda data, answer: (
+        f"No design is recommended: {data['allowed']} of {answer.result.judged} designs"
+        f" {task_requirement(answer.result)} and keep all limits at their nominal sizes, but none"
+        f" holds in {percent(data['demanded'])} of the draws: the surest in"
+        f" {percent(data['share'])}. To accept less, write"
+        f' safety = "{np.floor(100 * data["share"]):.0f} %" in [limits].'
+    ),
+    "design.out_of_reach": lambda _, answer: (
+        f"No design is recommended: none of the {answer.result.judged} evaluated designs can"
+        f" {task_requirement(answer.result)}."
+    ),
+    "design.limits_broken": lambda data, answer: (
+        f"{data['reaching']} of {answer.result.judged} designs {task_requirement(answer.result)},"
+        " but none of them keeps all other limits: none is recommended."
+    ),
+    "design.limit_costs": lambda data, _: (
+        f"{objective_label(data['objective'])}: {data['keeping']} designs keep its limit; all lie"
+        f" between {format_objective(data['objective'], data['least'])} and"
+        f" {format_objective(data['objective'], data['most'])}."
+    ),
+    "design.product_excluded": lambda data, _: (
+        f"{data['product']} must not be used: {data['reason']}."
+    ),
+    "design.small_margin": lambda data, _: (
+        f"the margin is {percent(data['margin'])}, below {percent(data['least'])} ([limits]"
+        " margin). Computed forces can be off by tens of percent: it may fail the task."
+    ),
+    "design.no_valve": lambda data, _: (
+        f"no valve is fast enough: a hose of {pretty(data['hose_length'] or 0.0, 'length', 3)} up"
+        f" to {1e3 * WIDEST_BORE:g} mm wide lets too little air through. Take a shorter hose, or"
+        " more time, in [cycle]."
+    ),
     "design.cycle_failed": lambda *_: (
         "it fails its cycle in the run over time. Allow more time in [cycle], or damp the load."
     ),
-    "design.judged_in_part": lambda d, _: f"only {d['judged']} designs were judged in draws.",
+    "design.judged_in_part": lambda data, _: f"only {data['judged']} designs were judged in draws.",
     "design.held_open": _held_open,
 }
 
