@@ -1,48 +1,32 @@
 """Design of bundles for a task: designs, their objectives, and searches among them."""
 
-from .answer import Answer, Remedy, answer_search
-from .designs import Designs
-from .evaluation import evaluate
-from .exhaustive_search import SearchResult, judge_safety, non_dominated, search
-from .genetic import evolve
-from .objectives import OBJECTIVES, Limit, objective
-from .outcome import Outcome
-from .scatter import DesignScatter, Spread, Uncertainty, spread
-from .space import Catalog, Product, Space, compositions, partitions
-from .summary import Cases, Summary, best_splits, summarize
-from .sweep import Study
-from .task import Task, example_task
-
-
-__all__ = [
-    "OBJECTIVES",
-    "Answer",
-    "Cases",
-    "Catalog",
-    "DesignScatter",
-    "Designs",
-    "Limit",
-    "Outcome",
-    "Product",
-    "Remedy",
-    "SearchResult",
-    "Space",
-    "Spread",
-    "Study",
-    "Summary",
-    "Task",
-    "Uncertainty",
-    "answer_search",
-    "best_splits",
-    "compositions",
-    "evaluate",
-    "evolve",
-    "example_task",
-    "judge_safety",
-    "non_dominated",
-    "objective",
-    "partitions",
-    "search",
-    "spread",
-    "summarize",
-]
+from .answer import Answer as Answer
+from .answer import Remedy as Remedy
+from .answer import answer_search as answer_search
+from .designs import Designs as Designs
+from .evaluation import evaluate as evaluate
+from .exhaustive_search import SearchResult as SearchResult
+from .exhaustive_search import judge_safety as judge_safety
+from .exhaustive_search import non_dominated as non_dominated
+from .exhaustive_search import search as search
+from .genetic import evolve as evolve
+from .objectives import OBJECTIVES as OBJECTIVES
+from .objectives import Limit as Limit
+from .objectives import objective as objective
+from .outcome import Outcome as Outcome
+from .scatter import DesignScatter as DesignScatter
+from .scatter import Spread as Spread
+from .scatter import Uncertainty as Uncertainty
+from .scatter import spread as spread
+from .space import Catalog as Catalog
+from .space import Product as Product
+from .space import Space as Space
+from .space import compositions as compositions
+from .space import partitions as partitions
+from .summary import Cases as Cases
+from .summary import Summary as Summary
+from .summary import best_splits as best_splits
+from .summary import summarize as summarize
+from .sweep import Study as Study
+from .task import Task as Task
+from .task import example_task as example_task

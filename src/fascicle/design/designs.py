@@ -143,18 +143,14 @@ class Designs:
         kind, counts = self.kind[index], self.counts[index, :units]
         return Designs(self.drawings, kind, counts, self.length[index], *per_unit)
 
-    def sizes(self, index: int) -> Sizes:
-        """Sizes of the muscles of each unit of the design with an `index`."""
-        sizes = (x[index] for x in (self.radius, self.wall, self.angle))
-        return Sizes(np.full(self.counts.shape[1], self.length[index]), *sizes)
-
     def drawing(self, index: int) -> Muscle:
         """The drawing of the design with an `index`, NumPy's."""
         return to_numpy(list(self.drawings.values())[self.kind[index]])
 
     def muscle(self, index: int, unit: int = 0) -> Muscle:
         """A muscle of the design with an `index`, in a motor `unit` counted from 0."""
-        return self.sizes(index).take(unit).muscle(self.drawing(index))
+        sizes = (x[index, unit] for x in (self.radius, self.wall, self.angle))
+        return Sizes(self.length[index], *sizes).muscle(self.drawing(index))
 
     def bundle(self, index: int, task: Task | None = None) -> Bundle:
         """Bundle of the design with an `index`, with all its motor units; with the supply pressure
@@ -174,17 +170,14 @@ def scaled_designs(
     kind: Int[np.ndarray, " design"],
     counts: Int[np.ndarray, "design unit"],
     factor: Float[np.ndarray, "design unit"],
-    length: Float[np.ndarray, " design"],
-    radius: Float[np.ndarray, " design"],
-    wall_ratio: Float[np.ndarray, " design"],
-    angle: Float[np.ndarray, " design"],
+    sizes: Float[np.ndarray, "design 4"],
 ) -> Designs:
-    """Make designs whose units have radii `factor` times the `radius` [m], walls `wall_ratio` times
-    that.
+    """Make designs of `sizes`: length [m], radius [m], ratio of the wall to it [-] and braid angle
+    [rad], units' radii and walls `factor` times these.
     """
-    radii = radius[:, None] * factor
-    angles = angle[:, None] * np.ones(radii.shape)
-    return Designs(drawings, kind, counts, length, radii, wall_ratio[:, None] * radii, angles)
+    length, radius, ratio, angle = sizes.T[..., None]
+    radii = radius * factor
+    return Designs(drawings, kind, counts, length[:, 0], radii, ratio * radii, angle + 0.0 * radii)
 
 
 def pad_rows(

@@ -11,7 +11,7 @@ alone. One that is linear in pressure pulls most at the supply's. Where no level
 of the supply, the whole law is evaluated at every level.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +25,7 @@ from ..muscle import Muscle
 from ..muscle.buckling import ROUNDING
 from ..muscle.piecewise import Piecewise
 from .designs import Designs, Sizes
-from .objectives import check_objectives, needs, objective_values
+from .objectives import OBJECTIVES, check_objectives
 from .outcome import ForceTable, Outcome, outcome, overlaps, recruitment_states, reversal_depths
 from .task import Task
 
@@ -76,16 +76,18 @@ def evaluate(
     **Raises:** `ValueError` for an unknown objective, and designs off the model's domain.
     """
     names = check_objectives(objectives, task.scheme)
-    values = np.full((len(names), len(designs)), np.nan)
-    for index, batch in outcomes(designs, task, needs(names), resolution, force_factor):
-        values[:, index] = objective_values(batch, names)
-    return dict(zip(names, values, strict=True))
+    values = {name: np.empty(len(designs)) for name in names}
+    needs = {OBJECTIVES[name].needs for name in names}
+    for index, batch in outcomes(designs, task, needs, resolution, force_factor):
+        for name in names:
+            values[name][index] = OBJECTIVES[name].function(batch)
+    return values
 
 
 def outcomes(
     designs: Designs,
     task: Task,
-    needs: tuple[str, ...] = (),
+    needs: Collection[str] = (),
     resolution: Resolution | None = None,
     force_factor: Float[np.ndarray, " design"] | float = 1.0,
 ) -> Iterator[tuple[Int[np.ndarray, " batch"], Outcome]]:
@@ -114,7 +116,7 @@ def outcomes(
 def _batches(
     designs: Designs,
     task: Task,
-    needs: tuple[str, ...],
+    needs: Collection[str],
     resolution: Resolution | None,
     force_factor: Float[np.ndarray, " design"],
 ) -> Iterator[tuple[Int[np.ndarray, " batch"], Outcome]]:
@@ -171,7 +173,7 @@ def force_table(
     drawing: Muscle,
     sizes: Sizes,
     task: Task,
-    needs: tuple[str, ...],
+    needs: Collection[str],
     resolution: Resolution,
     largest_only: bool,
 ) -> ForceTable:

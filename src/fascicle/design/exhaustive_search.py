@@ -258,7 +258,8 @@ def conclude(
     index = np.arange(len(space)) if designs is None else np.full(len(designs), -1)
     excluded = catalog.excluded(space.drawings, task)
     kinds = [i for i, name in enumerate(space.drawings) if name in excluded]
-    permitted = ~np.isin(space.kind(index), kinds)
+    kind = index // (len(space) // len(space.drawings)) if designs is None else designs.kind
+    permitted = ~np.isin(kind, kinds)
     allowed, nearest = within_limits(values, limits) & permitted, None
     if not allowed.any() and len(index):
         keeps_limits = within_limits(values, other_limits(limits)) & permitted

@@ -72,13 +72,16 @@ class GenomeDecoder:
         counts = np.sum(members & exists[:, :, None], axis=1)
         factor = self._decode_gene(self.space.unit_factors, factors)
         factor = np.where(counts > 0, factor, factor[:, :1])
-        ((name, drawing),) = self.space.drawings.items()
-        length, radius, ratio, angle = (
+        (drawing,) = self.space.drawings.values()
+        genes = zip(_AXES, drawing_sizes(drawing), sizes.T, strict=True)
+        columns = [
             self._decode_gene(getattr(self.space, axis) or (default,), gene)
-            for axis, default, gene in zip(_AXES, drawing_sizes(drawing), sizes.T, strict=True)
-        )
-        radius, kind = radius * self.space.scale(counts, factor), np.zeros(len(genomes), int)
-        return scaled_designs({name: drawing}, kind, counts, factor, length, radius, ratio, angle)
+            for axis, default, gene in genes
+        ]
+        sizes = np.stack(columns, axis=1)
+        sizes[:, 1] *= self.space.scale(counts, factor)
+        kind = np.zeros(len(genomes), int)
+        return scaled_designs(self.space.drawings, kind, counts, factor, sizes)
 
     def _decode_gene(self, values: tuple[float, ...], gene: np.ndarray) -> np.ndarray:
         """Value for each `gene` in [0, 1], in the unit of `values`: linear from the least to the

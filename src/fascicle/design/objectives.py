@@ -212,10 +212,8 @@ def _weighted_mean(outcome: Outcome, values: np.ndarray) -> PerDesign:
 
 
 def check_objectives(names: Iterable[str], scheme: AbstractScheme | None = None) -> tuple[str, ...]:
-    """Names of objectives in their order, without repetitions.
-
-    Raises `ValueError` for an unknown one, the nearest is suggested, and for one that compares a
-    state with the next under a `scheme` that recruits units independently.
+    """Names of objectives in their order, without repetitions; `ValueError` for an unknown one, and
+    for one that compares a state with the next under a `scheme` with independent units.
     """
     names = tuple(dict.fromkeys(check_choice(name, OBJECTIVES, "objectives") for name in names))
     for name in names:
@@ -226,16 +224,6 @@ def check_objectives(names: Iterable[str], scheme: AbstractScheme | None = None)
     return names
 
 
-def needs(names: Iterable[str]) -> tuple[str, ...]:
-    """Needs of the objectives with `names` beyond the task's points: "curves", "size"."""
-    return tuple(sorted({OBJECTIVES[name].needs for name in names} - {""}))
-
-
-def objective_values(outcome: Outcome, names: Iterable[str]) -> Float[np.ndarray, "name design"]:
-    """Objectives of an `outcome`, a row for each of their `names`, in its unit [SI]."""
-    return np.stack([OBJECTIVES[name].function(outcome) for name in names])
-
-
 class Limit(NamedTuple):
     """Limit: the least and the largest that an objective may be, in its own unit [SI]."""
 
@@ -243,7 +231,7 @@ class Limit(NamedTuple):
     most: float = np.inf
 
     def holds(self, values: Any) -> Any:
-        """Mask of the `values` [SI], of any shape, within, up to rounding; a NaN isn't."""
+        """Mask of the `values` [SI] within, up to rounding; a NaN isn't."""
         low, high = self._with_tolerance
         return (values >= low) & (values <= high)
 

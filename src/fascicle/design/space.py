@@ -101,9 +101,7 @@ def partitions(muscles: int, most_units: int | None = None) -> Counts:
 
 
 def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -> int:
-    """Number of splits [-] of `muscles` into `most_units` or fewer: "all" compositions, or
-    "partitions".
-    """
+    """Number of `splits` [-], "all" or "partitions", of `muscles` into `most_units` or fewer."""
     width = _width(muscles, most_units)
     if splits == "all":
         return sum(math.comb(muscles - 1, cuts) for cuts in range(width))
@@ -225,15 +223,9 @@ class Space:
         defaults = np.array([drawing_sizes(drawing) for drawing in self.drawings.values()])[kind]
         columns = zip(self._grid[1:], columns, strict=True)
         sizes = np.stack([np.asarray(values, float)[i] for values, i in columns], axis=1)
-        length, radius, ratio, angle = np.where(np.isnan(sizes), defaults, sizes).T
-        radius, shapes = radius * scale[shape], (counts[shape], factor[shape])
-        return scaled_designs(self.drawings, kind, *shapes, length, radius, ratio, angle)
-
-    def kind(self, index: Int[np.ndarray, " design"]) -> Int[np.ndarray, " design"]:
-        """Index in `drawings` of each design's drawing; an `index` of -1, a design off the grid,
-        counts as 0.
-        """
-        return np.maximum(index, 0) // (len(self) // len(self.drawings))
+        sizes = np.where(np.isnan(sizes), defaults, sizes)
+        sizes[:, 1] *= scale[shape]
+        return scaled_designs(self.drawings, kind, counts[shape], factor[shape], sizes)
 
     def scale(self, counts: Counts, factor: PerUnit) -> PerDesign:
         """Factor from the value listed in `radius` to the radius of a muscle with a unit factor of
@@ -273,18 +265,13 @@ class Space:
 
 
 def drawing_sizes(drawing: Muscle) -> Floats:
-    """Length and radius [m], ratio of the wall to the radius [-] and braid angle [rad] of a
-    `drawing`.
-    """
-    sizes = (drawing.length, drawing.outer_radius, drawing.wall_thickness, drawing.braid_angle)
-    length, radius, wall, angle = map(float, sizes)
-    return length, radius, wall / radius, angle
+    """Length and radius [m], ratio of the wall to the radius [-] and braid angle [rad]."""
+    length, radius, angle = map(float, (drawing.length, drawing.outer_radius, drawing.braid_angle))
+    return length, radius, float(drawing.wall_thickness) / radius, angle
 
 
 def _combine_factors(counts: Counts, factors: Floats) -> tuple[Counts, PerUnit]:
-    """Combine splits with radius factors: muscles and factor [-] of each unit, a row for every
-    split with every choice of a factor for each of its units, repeats of equal units included.
-    """
+    """Splits with every choice of a radius factor [-] for each unit, equal units repeated."""
     if len(factors) == 1:
         return counts, np.full(counts.shape, factors[0])
     units, width = np.sum(counts > 0, axis=1), counts.shape[1]
@@ -303,9 +290,9 @@ def _combine_factors(counts: Counts, factors: Floats) -> tuple[Counts, PerUnit]:
 
 
 class Product(NamedTuple):
-    """Product: a muscle on sale, of one length: its `name`, `price` for one in the catalog's
-    currency, `mass` of one [kg], and the largest pressure [Pa] and contraction [-] that its maker
-    allows; each is `None` if unknown. `source` of the figures.
+    """A muscle on sale, of one length: its `name`, `price` for one in the catalog's currency,
+    `mass` of one [kg], and the largest pressure [Pa] and contraction [-] that its maker allows;
+    each is `None` if unknown. `source` of the figures.
     """
 
     name: str
@@ -316,9 +303,7 @@ class Product(NamedTuple):
     source: str = ""
 
     def exclusion_reason(self, task: Task, length: float) -> str:
-        """Reason why this product must not be used for a `task` at its `length` [m]; empty if it
-        may.
-        """
+        """Reason why this product, of a `length` [m], isn't allowed for a `task`; "" if it is."""
         limit, strain = self.largest_pressure, float(task.strain_of(length).max())
         if limit is not None and task.supply_pressure > limit * (1 + _ROUNDING):
             given, most = distinct_texts(task.supply_pressure / 1e3, limit / 1e3)
@@ -332,9 +317,9 @@ class Product(NamedTuple):
 
 @dataclass(frozen=True)
 class Catalog:
-    """Catalog of products and prices. `products`, by the name of their drawing; prices in a
-    `currency`: of a `valve` and of a `muscle` of products without a price [-], of `air` for each
-    normal m³ and of `energy` for each J; `density` of the bladder [kg/m³].
+    """Products, by the name of their drawing, and prices in a `currency`: of a `valve` and of a
+    `muscle` of products without a price [-], of `air` for each normal m³ and of `energy` for each
+    J; `density` of the bladder [kg/m³].
     """
 
     products: Mapping[str, Product] = field(default_factory=dict)
