@@ -19,7 +19,7 @@ from .cycle import CycleRun, run_cycle
 from .designs import Designs
 from .evaluation import evaluate
 from .exhaustive_search import SearchResult
-from .objectives import SHARES, Limit, Limits, other_limits, within_limits
+from .objectives import SHARES, Limit, Limits, other_limits, reaches_task, within_limits
 from .scatter import Uncertainty, spread
 from .space import Product
 from .summary import Splits, Summary, best_splits, summarize
@@ -40,12 +40,10 @@ _COARSE = 1e-3  # the same in random draws, whose share is known within 0.5 %
 class Remedy:
     """Change of one quantity for a design to hold its task.
 
-    - `what`: the changed quantity: "supply_pressure" [Pa], "muscles", "radius" [m], "braid_angle"
-      [rad] or "length" [m].
-    - `now`: its present value; `value`: the sufficient one, `None` if there is none.
-    - `most`: the end of the range that was tried.
-    - `reaches`: true if a value in the range reaches the task at least as drawn.
-    - `measured`: the pressure that the muscles' tuning was measured up to [Pa].
+    `what`: "supply_pressure" [Pa], "muscles", "radius" [m], "braid_angle" [rad] or "length" [m];
+    `now`: its present value; `value`: the sufficient one, `None` if there is none; `most`: the end
+    of the range that was tried; `reaches`: true if a value in the range reaches the task at least
+    as drawn; `measured`: the pressure that the muscles' tuning was measured up to [Pa].
     """
 
     what: str
@@ -63,17 +61,11 @@ def remedies(
     product: Product | None = None,
     uncertainty: Uncertainty | None = None,
 ) -> list[Remedy]:
-    """Changes by which a single design would hold its task, one for each quantity, each by itself,
-    enough or not.
+    """Changes by which a single design would hold its task, each by itself, enough or not.
 
-    **Arguments:**
-
-    - `design`: the design.
-    - `task`: what is demanded.
-    - `limits`: on objectives, by name [SI], as of `with_reach_limits`.
-    - `product`: that its muscles are sold as, if they are: only number, pressure and length can be
-      changed then.
-    - `uncertainty`: by which it is judged; `None`: as drawn.
+    `limits`: on objectives [SI], as of `with_reach_limits`; `product`: that its muscles are sold
+    as, if they are: only number, pressure and length can be changed then; `uncertainty`: by which
+    it is judged; `None`: as drawn.
     """
     design = design.take(np.array([0]), int(design.units[0]))
     highest = HIGHEST_PRESSURE
@@ -134,18 +126,14 @@ def _smallest_change(
     present, whole = _present_values(design, task)[what], what == "muscles"
     limits = {name: limit for name, limit in limits.items() if not (whole and name == "valves")}
 
-    def is_reached(value: float) -> bool:
-        values = evaluate(*_apply_change(design, task, what, value), list(limits))
-        return bool(within_limits(values, limits)[0])
-
     def holds(value: float) -> bool:
-        if not is_reached(value) or uncertainty is None:
-            return uncertainty is None and is_reached(value)
-        draws = spread(
-            *(*_apply_change(design, task, what, value), (), limits, uncertainty.scatter),
-            *(uncertainty.muscles, uncertainty.draws),
-        )
-        return bool(draws.probability[0] >= uncertainty.share)
+        changed = _apply_change(design, task, what, value)
+        as_drawn = bool(within_limits(evaluate(*changed, limits), limits)[0])
+        if not as_drawn or uncertainty is None:
+            return as_drawn
+        scatter, muscles, draws = uncertainty.scatter, uncertainty.muscles, uncertainty.draws
+        probability = spread(*changed, (), limits, scatter, muscles, draws).probability
+        return bool(probability[0] >= uncertainty.share)
 
     spaced = np.linspace if what in ("supply_pressure", "braid_angle") else np.geomspace
     # a braid gets steeper, all else larger: a present value past the end is no way out
@@ -154,12 +142,9 @@ def _smallest_change(
     grid = np.unique(grid.round()) if whole else grid
     first = next((i for i, value in enumerate(grid) if holds(float(value))), None)
     if first is None:
-        shares = {name: limits[name] for name in SHARES}
-        reached = False
-        for value in grid:
-            values = evaluate(*_apply_change(design, task, what, float(value)), SHARES)
-            reached = reached or bool(within_limits(values, shares)[0])
-        return Remedy(what, present, None, float(grid[-1]), reached)
+        changes = (_apply_change(design, task, what, float(value)) for value in grid)
+        reaches = any(reaches_task(evaluate(*x, SHARES), limits)[0] for x in changes)
+        return Remedy(what, present, None, float(grid[-1]), reaches)
     low, high = float(grid[max(first - 1, 0)]), float(grid[first])
     precision = 1.0 if whole else high * (_PRECISION if uncertainty is None else _COARSE)
     while abs(high - low) > precision:
@@ -205,12 +190,11 @@ def answer_search(result: SearchResult) -> Answer:
     diameter = float(result.values["envelope"][index]) if "envelope" in result.values else None
     summary = summarize(design, 0, task, result.catalog, diameter, result.cycle)
     changes: list[Remedy] = []
-    if result.best is None:
-        if result.safety is not None or not result.reaches_task[index]:
-            judged = result.safety and result.safety.uncertainty
-            changes = remedies(design, task, result.limits, summary.product, judged)
-    elif (sizing := summary.sizing) and sizing.feasible and sizing.run_case is not None:
-        case = sizing.run_case
+    if result.best is None and (result.safety is not None or not result.reaches_task[index]):
+        judged = result.safety and result.safety.uncertainty
+        changes = remedies(design, task, result.limits, summary.product, judged)
+    sizing = summary.sizing if result.best is not None else None
+    if sizing and sizing.feasible and (case := sizing.run_case) is not None:
         stroke = float(task.stroke_of(summary.cases.length)[case])
         try:
             run = run_cycle(design.bundle(0, task), float(task.force[case]), stroke, sizing)

@@ -22,13 +22,13 @@ valves slows it down.
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..bundle import Bundle
 from ..bundle.states import resolve_supply_pressure
-from ..core.array_namespace import cos, maximum, minimum, where
+from ..core.array_namespace import maximum, minimum
 from ..core.errors import InvalidInputError
 from ..core.module import Module, with_fields
 from ..core.types import Batch, Float, Numbers
@@ -66,12 +66,9 @@ BAND = 0.1  # of the stroke on either side, in which a lifted load must stay
 
 @dataclass(frozen=True)
 class Cycle:
-    """Cycle of contraction and release that a bundle must do in given times.
-
-    - `lift`, `release`: times for each [s].
-    - `per_minute`: their number in a minute [-].
-    - `hose_length`: length of each unit's hose [m]; `None` for valves at the muscles.
-    - `b`: critical pressure ratio of the valves [-].
+    """Cycle of contraction and release that a bundle must do: times to `lift` and to `release` [s],
+    their number `per_minute`, `hose_length` of each unit [m], `None` for valves at the muscles, and
+    the critical pressure ratio `b` of the valves [-].
     """
 
     lift: float
@@ -82,22 +79,21 @@ class Cycle:
 
     def __post_init__(self):
         """**Raises:** `InvalidInputError` for values off their domains, and cycles that overlap."""
-        for name in ("lift", "release"):
-            check_interval(getattr(self, name), 0.0, _LONGEST_TIME, name, "s")
-        check_interval(self.per_minute, 0.0, np.inf, "per_minute", "-")
-        check_interval(self.b, 0.0, 1.0, "b", "-")
-        if self.hose_length is not None:
-            check_interval(self.hose_length, 0.0, _LONGEST_HOSE, "hose_length", "m")
-        if self.time * self.per_minute > 60 * (1 + 1e-9):  # rounding of 60 s
-            given, largest = distinct_texts(self.per_minute, 60 / self.time)
-            rule = f"must be at most {largest}: each cycle takes {self.time:g} s"
+        for name, largest, unit in (
+            ("lift", _LONGEST_TIME, "s"),
+            ("release", _LONGEST_TIME, "s"),
+            ("per_minute", np.inf, "-"),
+            ("b", 1.0, "-"),
+            ("hose_length", _LONGEST_HOSE, "m"),
+        ):
+            if (value := getattr(self, name)) is not None:
+                check_interval(value, 0.0, largest, name, unit)
+        time = self.lift + self.release
+        if time * self.per_minute > 60 * (1 + 1e-9):  # rounding of 60 s
+            shown, largest = distinct_texts(self.per_minute, 60 / time)
+            rule = f"must be at most {largest}: each cycle takes {time:g} s"
             remedy = "take fewer, or less time"
-            raise InvalidInputError("per_minute", rule, self.per_minute, remedy, shown=given)
-
-    @property
-    def time(self) -> float:
-        """Time of one contraction and release [s]."""
-        return self.lift + self.release
+            raise InvalidInputError("per_minute", rule, self.per_minute, remedy, shown=shown)
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,16 +306,11 @@ class CycleRun(NamedTuple):
         return self.lifted <= cycle.lift and self.released <= cycle.release and stays  # NaN isn't
 
 
-class _RegulatedLift(Module):
-    """Controller: proportional valves that raise units to `pressures` [Pa], from the share of them
-    that balances the load at `start`, along half a wave over `rise` [s], hold them, and vent them
-    from `end` [s] on; they throttle within `band` [Pa].
+class _PressureControl(Module):
+    """Controller: proportional valves that follow pressures [Pa], and throttle within `band` [Pa]
+    of them.
     """
 
-    pressures: Numbers
-    start: Batch
-    rise: Batch
-    end: Batch
     band: Numbers
 
     @property
@@ -328,15 +319,10 @@ class _RegulatedLift(Module):
         return np.float64(0.0)
 
     def __call__(
-        self, memory: Batch, measurement: "Measurement", reference: Any
+        self, memory: Batch, measurement: "Measurement", reference: Numbers
     ) -> tuple[Batch, Numbers]:
         """Memory, and a valve command for each unit [-]."""
-        del reference
-        time = measurement.time
-        wave = (1 - cos(np.pi * minimum(time / self.rise, 1.0))) / 2
-        share = self.start + (1 - self.start) * wave
-        target = where(time < self.end, share, 0.0) * self.pressures
-        command = (target - measurement.pressures) / self.band
+        command = (reference - measurement.pressures) / self.band
         return memory, maximum(minimum(command, 1.0), -1.0)
 
 
@@ -376,10 +362,11 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
     # of an open valve [Pa/s]: it throttles from so far on that a step doesn't overshoot the target
     rate = np.asarray(supply_valve.C) * (supply + ATMOSPHERE) * ATMOSPHERE
     band = np.maximum(_THROTTLING * supply, 2 * dt * rate / (volume + sizing.hose_volume))
-    start, rise = np.float64(sizing.start), np.float64(cycle.lift)
-    controller = _RegulatedLift(sizing.pressures, start, rise, np.float64(end), band)
-    steps = round((end + 2 * cycle.release) / dt)
-    run = simulate(plant, controller, np.zeros((steps, 1)), dt=dt)
+    # up along half a wave, held, and vented
+    time = dt * np.arange(round((end + 2 * cycle.release) / dt))[:, None]
+    wave = (1 - np.cos(np.pi * np.minimum(time / cycle.lift, 1.0))) / 2
+    share = np.where(time < end, sizing.start + (1 - sizing.start) * wave, 0.0)
+    run = simulate(plant, _PressureControl(band), share * sizing.pressures, dt=dt)
     position, time = np.asarray(run.outputs.position), np.asarray(run.time)
     held = time <= end
     highest = float(position.max())

@@ -148,11 +148,6 @@ class Summary:
     stretch: float
 
     @property
-    def margin(self) -> float:
-        """The least force to spare [N], negative where a load case isn't reached."""
-        return float(self.cases.spare.min())
-
-    @property
     def relative_margin(self) -> float:
         """The least force to spare over what is demanded, of the load cases that are reached
         [-]; NaN where none is.

@@ -81,15 +81,12 @@ class Task:
         - `supply_pressure`: the supply's gauge pressure [Pa].
         - `weight`: of each point in means [-]; default: all the same.
         - `scheme`: one of `fascicle.schemes`, by name or as an object.
-        - `name`: of the task.
-        - `source`: of the figures.
+        - `name`, `source`: of the task, and of its figures.
         - `stroke`: shortening of the bundle [m], instead of `strain`.
         - `fluid`: "air" or "liquid", whose consumption is computed.
 
-        **Returns:** the task.
-
-        **Raises:** `ValueError` for values off the domain and lists of different lengths, and where
-        both of strain and stroke are given, or neither.
+        **Raises:** `ValueError` for values off the domain, lists of different lengths, and both of
+        strain and stroke, or neither.
         """
         if (strain is None) == (stroke is None):
             rule = "in m or `strain` must give the contraction"
@@ -133,12 +130,7 @@ class Task:
         **Arguments:**
 
         - `time`: rising times [s].
-        - `force`: demanded then [N].
-        - `strain`: contractions then [-], or `None` with a `stroke`.
-        - `supply_pressure`: the supply's gauge pressure [Pa].
-        - `more`: as of `of`.
-
-        **Returns:** the task.
+        - `force`, `strain`, `supply_pressure`, `more`: as of `of` [SI].
 
         **Raises:** `ValueError` for times that don't rise, and as `of`.
         """
@@ -171,12 +163,6 @@ class Task:
         none is.
         """
         return np.where(self.force > 0, self.force, self.force.max())
-
-    def take(self, index: Any) -> "Task":
-        """Task of the points with an `index` alone."""
-        names = ("force", "strain", "weight", "stroke", "time")
-        points = {name: getattr(self, name) for name in names}
-        return replace(self, **{n: None if x is None else x[index] for n, x in points.items()})
 
     def __len__(self) -> int:
         return self.force.size
