@@ -17,7 +17,7 @@ fit into the gaps less.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -25,29 +25,20 @@ from ..bundle import Bundle, MotorUnit
 from ..bundle.pressurized import check_volume_by_strain
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, with_fields
-from ..core.types import Float, Int, Numbers
+from ..core.types import Float, Int
 from ..muscle import Muscle
 from .task import Task
 
 
-class Sizes(NamedTuple):
-    """Sizes of muscles of one drawing, arrays of one shape: `length` [m], outer `radius` [m],
-    thickness of the `wall` [m] and braid `angle` [rad].
+_SIZES = ("outer_radius", "wall_thickness", "braid_angle")
+
+
+def scaled_muscle(drawing: Muscle, sizes: Float[np.ndarray, "*any 4"]) -> Muscle:
+    """A `drawing` with `sizes`: length, outer radius and thickness of the wall [m], and braid angle
+    [rad]; many muscles as one.
     """
-
-    length: Numbers
-    radius: Numbers
-    wall: Numbers
-    angle: Numbers
-
-    def muscle(self, drawing: Muscle) -> Muscle:
-        """A `drawing` of these sizes, all of them as one muscle."""
-        names = ("length", "outer_radius", "wall_thickness", "braid_angle")
-        return with_fields(drawing, **dict(zip(names, self, strict=True)))
-
-    def take(self, index: Any) -> "Sizes":
-        """Sizes of the muscles with an `index`."""
-        return Sizes(*(x[index] for x in self))
+    names = ("length", *_SIZES)
+    return with_fields(drawing, **dict(zip(names, np.moveaxis(sizes, -1, 0), strict=True)))
 
 
 _RATIOS = (  # ρ_N of 1 to 30 circles, Graham and others (1998)
@@ -111,8 +102,7 @@ class Designs:
     def of(cls, muscle: Muscle, counts: Any, name: str = "muscle") -> "Designs":
         """Designs of one `muscle` with a `name`; `counts`: muscles in each unit [-], a row each."""
         n = pad_rows([[int(x) for x in row if x] for row in counts])
-        names = ("outer_radius", "wall_thickness", "braid_angle")
-        sizes = [np.full(n.shape, float(getattr(muscle, size))) for size in names]
+        sizes = [np.full(n.shape, float(getattr(muscle, name))) for name in _SIZES]
         length = np.full(len(n), float(muscle.length))
         return cls({name: muscle}, np.zeros(len(n), int), n, length, *sizes)
 
@@ -149,8 +139,8 @@ class Designs:
 
     def muscle(self, index: int, unit: int = 0) -> Muscle:
         """A muscle of the design with an `index`, in a motor `unit` counted from 0."""
-        sizes = (x[index, unit] for x in (self.radius, self.wall, self.angle))
-        return Sizes(self.length[index], *sizes).muscle(self.drawing(index))
+        per_unit = [x[index, unit] for x in (self.radius, self.wall, self.angle)]
+        return scaled_muscle(self.drawing(index), np.array([self.length[index], *per_unit]))
 
     def bundle(self, index: int, task: Task | None = None) -> Bundle:
         """Bundle of the design with an `index`, with all its motor units; with the supply pressure

@@ -24,7 +24,7 @@ from ..core.validation import LARGEST_STRAIN
 from ..muscle import Muscle
 from ..muscle.buckling import ROUNDING
 from ..muscle.piecewise import Piecewise
-from .designs import Designs, Sizes
+from .designs import Designs, scaled_muscle
 from .objectives import OBJECTIVES, check_objectives
 from .outcome import ForceTable, Outcome, outcome, overlaps, recruitment_states, reversal_depths
 from .task import Task
@@ -137,13 +137,14 @@ def _batches(
     for number in np.unique(batch_of):
         (members,) = np.nonzero(batch_of == number)
         used, index = np.unique(muscle_of[members], return_inverse=True)
-        sizes, index = Sizes(*muscles[used].T), index.reshape(-1, columns)
-        table = force_table(drawing, sizes, task, needs, resolution, largest_only)
+        index = index.reshape(-1, columns)
+        table = force_table(drawing, muscles[used], task, needs, resolution, largest_only)
         curves = np.empty((2, len(members)))  # depth and overlap
         for unit_muscles in np.unique(index, axis=0) if "curves" in needs else ():
             (twins,) = np.nonzero(np.all(index == unit_muscles, axis=1))
-            counts, muscle = designs.counts[members[twins]].T, sizes.take(unit_muscles)
-            top, forces = _force_curves(muscle.muscle(drawing), task.supply_pressure, resolution)
+            counts = designs.counts[members[twins]].T
+            muscle = scaled_muscle(drawing, muscles[used[unit_muscles]])
+            top, forces = _force_curves(muscle, task.supply_pressure, resolution)
             curves[0, twins] = reversal_depths(counts, forces, top, states)
             curves[1, twins] = overlaps(counts, forces, task.scheme)
         for cut in slices(len(members), step):
@@ -171,18 +172,18 @@ def _force_curves(
 
 def force_table(
     drawing: Muscle,
-    sizes: Sizes,
+    sizes: Float[np.ndarray, "muscle 4"],
     task: Task,
     needs: Collection[str],
     resolution: Resolution,
     largest_only: bool,
 ) -> ForceTable:
-    """Table of muscles of `sizes`, on one axis: with the forces at every level, or `largest_only`;
-    radius and bulge if "size" is among the `needs`.
+    """Table of muscles of `sizes`: with the forces at every level, or `largest_only`; radius and
+    bulge if "size" is among the `needs`.
     """
-    muscle, zero = sizes.muscle(drawing), 0.0 * sizes.length
-    law, supply = muscle.law, task.supply_pressure
-    strain = np.minimum(task.strain_of(sizes.length), LARGEST_STRAIN)
+    muscle, supply = scaled_muscle(drawing, sizes), task.supply_pressure
+    law, zero = muscle.law, 0.0 * muscle.length
+    strain = np.minimum(task.strain_of(muscle.length), LARGEST_STRAIN)
     radius = bulge = None
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
         vented = law.at(zero)
@@ -205,14 +206,14 @@ def force_table(
 
 def _largest_force(
     drawing: Muscle,
-    sizes: Sizes,
+    sizes: Float[np.ndarray, "muscle 4"],
     supply: float,
     strain: np.ndarray,
     vented: np.ndarray,
     resolution: Resolution,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Force at the `supply` pressure [Pa], and the largest over all levels [N]."""
-    law, zero = sizes.muscle(drawing).law, 0.0 * sizes.length
+    law, zero = scaled_muscle(drawing, sizes).law, 0.0 * sizes[:, 0]
     full = _tension_force(law, supply + zero, strain)
     largest, pressure = np.maximum(vented, full), resolution.level[1:, None, None] * supply
     # a tuning's tables bend what is linear
@@ -225,8 +226,8 @@ def _largest_force(
     step = max(1, _IN_CACHE // max(1, points.size * len(pressure)))
     for start in range(0, muscles.size, step):
         block = np.ix_(points, muscles[start : start + step])
-        block_sizes = sizes.take(block[1][0])
-        pressurized = block_sizes.muscle(drawing).law.at(pressure + 0.0 * block_sizes.length)
+        muscle = scaled_muscle(drawing, sizes[block[1][0]])
+        pressurized = muscle.law.at(pressure + 0.0 * muscle.length)
         force = np.where(pushes[block], pressurized.force(strain[block])[0], -np.inf)
         full[block] = np.where(pushes[block], force[-1], full[block])
         largest[block] = np.maximum(largest[block], force.max(axis=0))

@@ -11,15 +11,13 @@ task is a limit that every search has. Where no design reaches the task, none is
 **Offers**, each from the front: the *cheapest*, if prices are known; the *simplest*, with the
 fewest valves; the *most efficient*; and the *compromise*, whose worst objective, counted from the
 front's best (0) to its worst (1), is least bad, on a tie the least sum. Of equal designs the one
-with the least volume of muscles is offered: margin beyond what safety needs is no merit.
-Recommended is the cheapest, without prices the compromise.
+with the least volume of muscles is offered. Recommended is the cheapest, without prices the
+compromise.
 
 **Safety.** Designs are judged front by front, without those found unsafe, until all designs of a
-front hold the task and all limits in the demanded share of random draws: first in a few draws, in
-which those that fail too often are dropped, then in all of them. If none holds, none is
-recommended: the surest of those that were judged is the nearest.
-
-Limits on objectives that need curves (`reversal_depth`, `overlap_width`) hold for the drawn sizes.
+front hold the task and all limits in the demanded share of random draws. If none holds, none is
+recommended: the surest of those that were judged is the nearest. Limits on objectives that need
+curves (`reversal_depth`, `overlap_width`) hold for the drawn sizes.
 """
 
 from collections.abc import Callable, Mapping

@@ -2,14 +2,9 @@ r"""NSGA-II, by pymoo, in spaces that are too large for an exhaustive search.
 
 A genome is a row of numbers in $[0, 1]$: one each for the number of muscles, length, radius,
 wall and angle, one for each gap between muscles (cut or not), and one for each unit's factor.
-With `continuous` sizes lie anywhere between the least and the largest that the space lists;
-else they are the nearest listed, so that the front can be compared with an exhaustive one.
 
 A design that doesn't reach the task is worse than any that does, the more so the larger a share
-of its worst point it misses, so that a search leads there; where none does, the nearest is the
-result.
-
-The same seed gives the same front.
+of its worst point it misses, so that a search leads there. The same seed gives the same front.
 """
 
 from collections.abc import Callable, Mapping

@@ -62,9 +62,7 @@ def objective(unit: str, sense: str, needs: str = "") -> Callable[[Function], Fu
     - `sense`: in which it is better, "min" or "max".
     - `needs`: beyond the task's points: "size" or "curves".
 
-    **Returns:** the decorator, which gives the function back; the first sentence of its
-    docstring, up to a unit in brackets, describes it in reports.
-
+    The first sentence of the function's docstring, up to a unit in brackets, describes it.
     **Raises:** `ValueError` for a name that is taken, no docstring, an unknown sense or need.
     """
     check_choice(sense, ("min", "max"), "sense")
@@ -231,21 +229,13 @@ class Limit(NamedTuple):
     most: float = np.inf
 
     def holds(self, values: Any) -> Any:
-        """Mask of the `values` [SI] within, up to rounding; a NaN isn't."""
-        low, high = self._with_tolerance
-        return (values >= low) & (values <= high)
+        """Mask of the `values` [SI] within; a NaN isn't."""
+        return self.excess(values) <= 0
 
-    def excess(self, values: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
-        """Distance of `values` [SI] from the interval [SI]; not positive within."""
-        low, high = self._with_tolerance
-        return np.maximum(low - values, values - high)
-
-    @property
-    def _with_tolerance(self) -> tuple[float, float]:
-        """The least and the largest value, widened by rounding errors [SI]."""
-        ends = np.array([self.least, self.most])
-        low, high = np.where(np.isfinite(ends), _ROUNDING * np.maximum(1.0, np.abs(ends)), 0.0)
-        return self.least - low, self.most + high
+    def excess(self, values: Any) -> Any:
+        """Distance of `values` [SI] from the interval, less rounding [SI]; not positive within."""
+        low, high = (_ROUNDING * max(1.0, abs(x)) if np.isfinite(x) else 0.0 for x in self)
+        return np.maximum(self.least - low - values, values - (self.most + high))
 
 
 Limits = Mapping[str, Limit]
@@ -261,8 +251,14 @@ def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]
     return mask
 
 
-def check_search(senses: Mapping[str, str], limits: Limits) -> None:
-    """Refuse no `senses`, any but "min" and "max", and `limits` with the least above the most."""
+def recorded_objectives(
+    senses: Mapping[str, str], limits: Limits, extra: tuple[str, ...] = ()
+) -> tuple[str, ...]:
+    """Names of the objectives that a search computes: of its senses, of its limits, the `extra`
+    ones, and those of every search. `ValueError` for no `senses`, any but "min" and "max", and
+    `limits` with the least above the most.
+    """
+    names = check_objectives([*senses, *limits, *extra, *ALWAYS])
     if not senses:
         raise InvalidInputError("objectives", "must name at least one", None, shown="none")
     for name, sense in senses.items():
@@ -273,12 +269,12 @@ def check_search(senses: Mapping[str, str], limits: Limits) -> None:
             least, most = distinct_texts(limit.least, limit.most)
             rule = f"is limited to at least {least} and at most {most} {unit}"
             raise InvalidInputError(name, rule.rstrip(), None, "no design can be both")
+    return names
 
 
 def with_reach_limits(limits: Limits | None) -> dict[str, Limit]:
-    """The `limits` on objectives [SI], with limits on both shares of the task that aren't reached.
-
-    `not_reached` may be what it was limited to, else 0 [-]; `points_not_reached` no more than that.
+    """The `limits` on objectives [SI], with limits on both shares of the task that are missed: by
+    weight what it was limited to, else 0 [-]; by points no more than that.
     """
     limits = dict(limits or {})
     by_weight, by_points = limits.get(BY_WEIGHT, Limit()), limits.get(BY_POINTS, Limit())
@@ -292,17 +288,6 @@ def with_reach_limits(limits: Limits | None) -> dict[str, Limit]:
 def allowed_miss_fraction(limits: Limits) -> float:
     """Share of the task that may be missed [-]; `limits` [SI] as of `with_reach_limits`."""
     return float(np.clip(limits[BY_WEIGHT].most, 0.0, 1.0))
-
-
-def recorded_objectives(
-    senses: Mapping[str, str], limits: Limits, extra: tuple[str, ...] = ()
-) -> tuple[str, ...]:
-    """Names of the objectives that a search computes: of its senses, of its limits, the `extra`
-    ones, and those of every search; `ValueError` as of `check_search`.
-    """
-    names = check_objectives([*senses, *limits, *extra, *ALWAYS])
-    check_search(senses, limits)
-    return names
 
 
 def reaches_task(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:

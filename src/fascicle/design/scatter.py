@@ -37,8 +37,8 @@ _THINNEST, _THICKEST = 0.05, 0.95  # of a drawn wall, over drawing and radius: s
 _LARGEST_SCATTER = 0.5  # of a wall or the model's error; more is a slip
 _BATCH = 2**20  # units of designs in all draws that are in memory together: some 100 megabytes
 
-_both_closed = (True, True)
-_share = partial(interval_field, low=0.0, high=_LARGEST_SCATTER, closed=_both_closed, default=0.0)
+_CLOSED = (True, True)
+_share = partial(interval_field, low=0.0, high=_LARGEST_SCATTER, closed=_CLOSED, default=0.0)
 
 
 @attrs.frozen(slots=False)
@@ -129,14 +129,11 @@ class Uncertainty:
 class Safety:
     """Safety of a search's designs: how often they hold the task in random draws.
 
-    - `uncertainty`: what was drawn.
-    - `probability`: share of the draws in which the recommended design, or the surest one, meets
-      the task and all limits [-].
-    - `judged`: number of designs that were judged; `complete`: true if no other design can be on
-      the front of the safe ones.
-    - `spread`: of the designs on the front.
-    - `nearest_unsafe`: index of the surest recorded design that fails too often, or `None`, with
-      its share of the draws in `nearest_share` [-].
+    `uncertainty`: what was drawn; `probability`: share of the draws in which the recommended
+    design, or the surest one, meets the task and all limits [-]; `judged`: number of designs that
+    were judged; `complete`: true if no other design can be on the front of the safe ones; `spread`:
+    of the designs on the front; `nearest_unsafe`: index of the surest recorded design that fails
+    too often, or `None`, with its share of the draws in `nearest_share` [-].
     """
 
     uncertainty: Uncertainty

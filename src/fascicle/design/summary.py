@@ -22,7 +22,6 @@ $p_a V_N \ln((P_s + p_a)/p_a)$ that compresses it without losses; of a liquid, t
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -71,9 +70,7 @@ class Cases:
 
     @property
     def relative(self) -> Points:
-        """Relative margin of each load case [-]: force to spare over the demanded force; over the
-        task's largest force where none is demanded.
-        """
+        """Force to spare over `Task.reference` of each load case [-]."""
         return self.spare / self.task.reference
 
     @property
@@ -81,7 +78,7 @@ class Cases:
         """The load case with the least force to spare over what is demanded [-], counted from 0."""
         return int(np.argmin(self.relative))
 
-    @cached_property
+    @property
     def fluid(self) -> Points:
         """Fluid that a cycle to each load case takes from the supply [m³]."""
         return np.maximum(self.content, 0.0).sum(axis=1)

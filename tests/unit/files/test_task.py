@@ -84,7 +84,12 @@ def test_an_example_keeps_its_times_and_takes_a_scheme_and_a_fluid():
 def test_cycle_is_read_and_needs_air():
     cycle = '[cycle]\ntime = "500 ms"\nper_minute = 20\nhose_length = "1.5 m"\n'
     read = loads_task(PLAIN + "muscles = 2\n" + cycle).cycle
-    assert (read.time, read.per_minute, read.hose_length, read.b) == (0.5, 20, 1.5, 0.3)
+    assert (read.lift + read.release, read.per_minute, read.hose_length, read.b) == (
+        0.5,
+        20,
+        1.5,
+        0.3,
+    )
     for old, new, key in (("air", "liquid", "cycle"), ("= 20", "= 121", "cycle.per_minute")):
         text = PLAIN.replace('scheme = "batch"', 'fluid = "air"') + "muscles = 2\n" + cycle
         with pytest.raises(ValueError, match=rf"^<text>: {key}[: =]+[^\n]+$"):
