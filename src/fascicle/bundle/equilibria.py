@@ -26,7 +26,7 @@ from ..core.validation import LARGEST_STRAIN
 from ..muscle.piecewise import PressurizedMuscle
 from ..muscle.validation import lowest_strain
 from ..repr_table import with_table_repr
-from .force_curves import find_extrema
+from .force_curves import insert_extrema
 from .pressurized import PressurizedBundle, flatten_batch, pressurize
 from .printing import equilibria_table
 
@@ -119,8 +119,13 @@ def _equilibria_of_block(
         start = lowest.max(axis=1, keepdims=True)
     target = 0.0 * lowest_free if load is None else load
     ends = np.sort(np.concatenate([start, *np.clip(kinks, start, end), end], axis=1), axis=1)
-    separating = _separating_nodes(pressurized, target[:, 0], ends)
-    batch, nodes, force = _insert_extrema(pressurized, target[:, 0], *separating)
+    batch, nodes, force = _separating_nodes(pressurized, target[:, 0], ends)
+
+    def excess(strain: Numbers, index: Numbers) -> Numbers:
+        return pressurized.take(index).force(strain[:, None])[0][:, 0] - target[index, 0]
+
+    smooth = np.ones(len(nodes), bool)
+    batch, nodes, force = insert_extrema(excess, batch, nodes, force, 0.0, smooth)
     pulls = force > 0
     if load is None:
         # all units pull up to the least free strain, by definition; rounding may differ there
@@ -183,28 +188,6 @@ def _separating_nodes(
     is_node = np.zeros(strains.shape, bool)
     is_node[row], is_node[:, [0, -1]] = True, True
     return batch[np.nonzero(is_node)[0]], strains[is_node], values[is_node]
-
-
-def _insert_extrema(
-    bundles: PressurizedBundle, load: Numbers, batch: Numbers, nodes: Numbers, force: Numbers
-) -> tuple[Numbers, Numbers, Numbers]:
-    """Nodes as those of `_separating_nodes` with the extrema between them that may reach the
-    `load` [N]; `batch`, `nodes` [-] and `force` [N]: of the nodes.
-    """
-
-    def excess(index: Numbers, strain: Numbers) -> Numbers:
-        force, _ = bundles.take(index.ravel()).force(strain.reshape(-1, 1))
-        return force.reshape(strain.shape) - load[index]
-
-    linked = np.diff(batch, append=-1) == 0
-    index, strain = find_extrema(excess, batch, nodes, force, linked, 0.0, linked)
-    if not len(index):
-        return batch, nodes, force
-    added = (index, strain, excess(index, strain))
-    columns = [np.concatenate(pair) for pair in zip((batch, nodes, force), added, strict=True)]
-    order = np.lexsort((columns[1], columns[0]))
-    batch, nodes, force = (column[order] for column in columns)
-    return batch, nodes, force
 
 
 def _falling_force(theta: tuple, strain: Numbers) -> tuple[Numbers, Numbers]:

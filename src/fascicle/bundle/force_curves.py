@@ -5,13 +5,9 @@ $j$ among them, and the other units at no or at supply pressure, the state's for
 
 $$F_k(p, \varepsilon) = H_k(\varepsilon) + \sum_j w_{kj} F_j(p, \varepsilon). \tag{B8}$$
 
-A *level* is a pressure over the supply's. Free and collapse strains of each kind of muscle are
-solved once, at nodes over level.
-
-**Search for the levels of a force.** Of the nodes, those of all cells that may hold the demanded
-force are taken. The levels at which a muscle has a kink at the demand's strain (its free strain,
-onset of buckling, fold or collapse strain) join them, with a level on each side, as do then the
-smooth extrema between them that may reach the force. Every change of sign between neighbors
+A *level* is a pressure over the supply's. The force is taken at nodes over level, to which the
+muscles' kinks at the demand's strain (free strain, onset of buckling, fold, collapse) and the
+smooth extrema are added where they may reach the demand. Every change of sign between neighbors
 brackets a root; a force that jumps past the demand is none. If no state has a root, the nearest
 force is that of the nearest node, kink or extremum.
 """
@@ -24,7 +20,6 @@ import numpy as np
 
 from ..core.array_namespace import slices
 from ..core.module import unique_indices
-from ..core.roots import find_root, refine_root
 from .pressurized import muscle_strain
 from .states import States
 
@@ -40,9 +35,7 @@ _END_INSET = 1e-6  # of the supply: nodes this near to both ends show the slope 
 _BATCH = 2**13  # searches at once: their forces at all nodes take 40 MB
 ROOT_TOLERANCE = 2e-10  # N: a force this near to the demand meets it
 _SUM_ROUNDING = 1e-13  # of a force: rounding of a sum over units
-_STEP = 1e-8  # of the supply: the root of rounding, for a difference quotient
-_LEVEL_ROUNDING = 4 * 2.0**-52  # of a level: where the search for a jump ends
-_KINK_SHARE = 1e-11  # of a kink's distance at the end of its cell: it is at the kink
+_LEVEL_ROUNDING = 4 * 2.0**-52  # of a level
 TIE = 1e-10  # N: forces this near to each other are equal
 _SIDE = 1e-9  # of the supply: levels this far apart give forces that differ by more than rounding
 _KINK_INSET = 1e-2  # of a cell: nodes this far from a kink show the slopes on its two sides
@@ -61,57 +54,46 @@ class ForceOverLevel:
         """`ratio`: $L/L_i$ [-] or `None`; `supply`: $P_s$ [Pa]; `levels`: nodes of the grid [-]."""
         self.law, self.ratio, self.supply, self.levels = muscle.law, ratio, supply, levels
         self.nodes = self.law.at(levels * supply)
-        self.free_strain = self.nodes.column.free_strain
+        self.free_strain = free_strain = self.nodes.column.free_strain
         # most laws buckle at the free strain itself, and some strains are infinite: no kinks
         self.kinks = {
-            i: np.broadcast_to(strains, levels.shape)
-            for i, strains in enumerate(_kink_strains(self.nodes))
-            if i == 0 or not (strains is self.free_strain or np.all(np.isinf(strains)))
+            kink: np.where(np.isfinite(strains), strains, np.nan) + 0.0 * levels
+            for kink, strains in enumerate(_kink_strains(self.nodes))
+            if kink == 0 or strains is not free_strain
         }
 
     def strain(self, plates: Array) -> Array:
         """Strain of the muscle [-] at the `plates`' [-]."""
         return plates if self.ratio is None else muscle_strain(self.ratio, plates)
 
-    def force_at_nodes(self, plates: Array) -> Array:
-        """As `force` at all nodes, by the plates' strain [-] and node."""
-        strain = self.strain(plates)[:, None]
-        pull = self.law.tension.pull(self.levels * self.supply, strain)
-        shape = (len(plates), len(self.levels))
-        force, slope = (np.array(np.broadcast_to(x, shape)) for x in (pull.force, pull.slope))
-        row, node = np.nonzero(strain > self.free_strain)
-        if len(row):
-            force[row, node], slope[row, node] = self.nodes.take(node).force(strain[row, 0])
-        return self._between_plates(force, slope)
-
-    def force(self, level: Array, plates: Array) -> Array:
-        """Force at `level` and the `plates`' strain [-], and its slope in that strain, both [N].
+    def force(self, level: Array, plates: Array, node: Array | None = None) -> Array:
+        """Force at `level` and the `plates`' strain [-], and its slope in that strain, both [N];
+        `node`: index of a level that is one of the grid's.
 
         Free and collapse strain at a pressure are most of its cost: a muscle that surely pulls, by
         the grid, needs neither.
         """
-        strain, pressure = self.strain(plates), level * self.supply
+        pressure, strain = np.broadcast_arrays(level * self.supply, self.strain(plates))
         pull = self.law.tension.pull(pressure, strain)
-        force, slope = (np.array(np.broadcast_to(x, level.shape)) for x in (pull.force, pull.slope))
+        force, slope = (
+            np.array(np.broadcast_to(x, strain.shape)) for x in (pull.force, pull.slope)
+        )
         cell = np.searchsorted(self.levels[1:-1], level, "right")
         free_strain = np.minimum(self.free_strain[:-1], self.free_strain[1:])[cell]
         # without a force: a free strain that falls with pressure within a cell
         resists = (strain >= free_strain) | (force <= 0)
         if resists.any():
-            muscle = self.law.at(pressure[resists])
+            if node is None:
+                muscle = self.law.at(pressure[resists])
+            else:
+                muscle = self.nodes.take(np.broadcast_to(node, strain.shape)[resists])
             force[resists], slope[resists] = muscle.force(strain[resists])
-        return self._between_plates(force, slope)
-
-    def _between_plates(self, force: Array, slope: Array) -> Array:
-        """Force and its slope in the plates' strain [N]."""
         return np.array([force, slope if self.ratio is None else slope * self.ratio])
 
     def kink_distance(self, kink: int, level: Array, plates: Array) -> Array:
-        """Distance from the `plates`' strain [-] to a `kink`, by number, at `level` [-], to zero
-        of which a search for the kink goes.
-        """
+        """A number that is zero at the `level` [-] whose `kink` is at the `plates`' strain [-]."""
         strain, pressure = self.strain(plates), level * self.supply
-        if kink == 0:  # the force of tension vanishes at the free strain, and is found at once
+        if kink == 0:  # the force of tension vanishes at the free strain, and is known at once
             return self.law.tension.pull(pressure, strain).force
         return _kink_strains(self.law.at(pressure))[kink] - strain
 
@@ -124,7 +106,16 @@ class StateCurves:
         units = bundle.motor_units
         self.supply, self.resistance = supply, resistance
         unique, self.kind = unique_indices([unit.muscle for unit in units])
-        self.muscles = _muscle_curves(bundle, unique, supply)
+        self.muscles = bundle.cache.get("muscle curves")
+        if self.muscles is None or self.muscles[0].supply != supply:
+            muscles = [units[i].muscle for i in unique]
+            ratios = [None if bundle.ratios is None else float(bundle.ratios[i]) for i in unique]
+            levels = _grid([muscle.law for muscle in muscles], supply)
+            self.muscles = [
+                ForceOverLevel(muscle, ratio, supply, levels)
+                for muscle, ratio in zip(muscles, ratios, strict=True)
+            ]
+            bundle.cache["muscle curves"] = self.muscles  # whole: other threads may look at it
         self.levels = self.muscles[0].levels
         masks = states.throttled, states.vented, states.full
         self.owns_endpoints = states.owns_endpoints
@@ -138,8 +129,8 @@ class StateCurves:
 
     def force_at_nodes(self, strain: Array) -> Array:
         """Force of one muscle of each kind and its slope [N], by `strain` [-], node and kind."""
-        forces = [self._resisting(muscle.force_at_nodes(strain)) for muscle in self.muscles]
-        return np.stack(forces, axis=-1)
+        arguments = self.levels, strain[:, None], np.arange(len(self.levels))
+        return np.stack([self._push(x.force(*arguments)) for x in self.muscles], axis=-1)
 
     def force(self, state: Array, level: Array, strain: Array) -> Array:
         """Force of the units that each `state` throttles, and its slope in strain, both [N]."""
@@ -147,80 +138,57 @@ class StateCurves:
         for j, muscle in enumerate(self.muscles):
             count = self.throttled[state, j]
             if len(i := np.flatnonzero(count)):
-                total[:, i] += count[i] * self._resisting(muscle.force(level[i], strain[i]))
+                total[:, i] += count[i] * self._push(muscle.force(level[i], strain[i]))
         return total
 
-    def _resisting(self, forces: Array) -> Array:
-        """Force and slope [N] of muscles, which may not push if resistance is neglected."""
+    def _push(self, forces: Array) -> Array:
+        """Force and slope [N] of muscles, which don't push if resistance is neglected."""
         return forces if self.resistance else np.where(forces[0] > 0, forces, 0.0)
 
 
-def _muscle_curves(bundle: Any, unique: list[int], supply: float) -> list[ForceOverLevel]:
-    """Curves of each kind of muscle, by its first unit; the bundle keeps those of one supply, as
-    their nodes take longer than a demand.
-    """
-    curves = bundle.cache.get("muscle curves")
-    if curves is None or curves[0].supply != supply:
-        muscles = [bundle.motor_units[i].muscle for i in unique]
-        levels = _add_kink_ends(pressure_grid(muscles, supply), muscles, supply)
-        ratios = bundle.ratios
-        curves = [
-            ForceOverLevel(muscle, None if ratios is None else float(ratios[i]), supply, levels)
-            for i, muscle in zip(unique, muscles, strict=True)
-        ]
-        bundle.cache["muscle curves"] = curves  # whole: other threads may look at it
-    return curves
-
-
-def _add_kink_ends(levels: Array, muscles: "list[Muscle]", supply: float) -> Array:
-    """Nodes `levels` [-] with those at whose sides kinks of `muscles` begin or end, as collapse
-    does at some pressure: there the force jumps.
+def _grid(laws: list[Any], supply: float) -> Array:
+    """Levels of the grid [-], those of the tunings' kinks among them; more of them in cells in
+    which the free strain of a muscle rises steeply, and on both sides of a level where one of its
+    kinks begins or ends, as collapse does at some pressure: there the force jumps.
     """
     from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
 
+    tunings = [law.tension.tuning for law in laws]
+    kinks = [np.ravel(t.pressures + np.asarray(t.dead_band)[..., None]) / supply for t in tunings]
+    kinks = np.concatenate([*kinks, [0.0, 1.0]])
+    even = (np.arange(_CELLS + 1) / _CELLS) ** 2
+    levels = _rising(even, kinks, kinks + _END_INSET, kinks - _END_INSET)
+    for law in laws:  # the force may rise and fall again in a steep cell
+        change = np.abs(np.diff(law.tension.free_strain(levels * supply)))
+        pieces = np.clip(np.ceil(change / _MAX_STRAIN_STEP), 1, _MAX_PIECES)
+        position = np.concatenate([[0], np.cumsum(pieces)])
+        levels = np.interp(np.arange(position[-1] + 1), position, levels)
     ends = [levels]
-    for law in (muscle.law for muscle in muscles):
-        for number, strains in enumerate(_kink_strains(law.at(levels * supply))):
-            exists = np.broadcast_to(np.isfinite(strains), levels.shape)
+    for law in laws:
+        for kink, strains in enumerate(_kink_strains(law.at(levels * supply))):
+
+            def side(level: Array, law: Any = law, kink: int = kink) -> Array:
+                exists = np.isfinite(_kink_strains(law.at(level * supply))[kink])
+                return np.where(exists, -1.0, 1.0) + 0.0 * level
+
+            exists = np.isfinite(strains + 0.0 * levels)
             if len(i := np.flatnonzero(exists[1:] != exists[:-1])):
-
-                def side(level: Array, law: Any = law, number: int = number) -> Array:
-                    strain = _kink_strains(law.at(level * supply))[number]
-                    return np.where(np.isfinite(strain), -1.0, 1.0) + 0.0 * level
-
                 end = elementwise.find_root(side, (levels[i], levels[i + 1])).x
                 ends += [end - _SIDE, end + _SIDE]
-    levels = np.clip(np.sort(np.concatenate(ends)), 0.0, 1.0)
-    return levels[run_starts(levels)]
+    return _rising(*ends)
+
+
+def _rising(*levels: Array) -> Array:
+    """All levels [-] from 0 to 1, in order, each once."""
+    rising = np.sort(np.concatenate(levels))
+    rising = rising[(rising >= 0) & (rising <= 1)]
+    return rising[run_starts(rising)]
 
 
 def _kink_strains(muscle: "PressurizedMuscle") -> list[Array]:
     """Strains [-] at which the force of a muscle has kinks, the free strain first."""
     folds = muscle.law.buckling.folds(muscle.column)
     return [muscle.column.free_strain, muscle.onset, muscle.collapse_strain, *folds]
-
-
-def pressure_grid(muscles: "list[Muscle]", supply: float) -> Array:
-    """Levels of the grid [-], those of the tunings' kinks among them; more of them in cells in
-    which the free strain of a muscle rises steeply.
-    """
-    tunings = [muscle.tuning for muscle in muscles]
-    kinks = [np.ravel((t.pressures + np.asarray(t.dead_band)[..., None]) / supply) for t in tunings]
-    kinks = np.concatenate([*kinks, [0.0]])
-    kinks = kinks[kinks < 1]
-    even = (np.arange(_CELLS + 1) / _CELLS) ** 2
-    levels = np.concatenate([even, kinks, kinks + _END_INSET, kinks - _END_INSET, [1 - _END_INSET]])
-    levels = np.sort(levels[(levels >= 0) & (levels <= 1)])
-    levels = levels[run_starts(levels)]
-    for muscle in muscles:  # the force may rise and fall again in a steep cell
-        change = np.abs(np.diff(muscle.law.tension.free_strain(levels * supply)))
-        pieces = np.minimum(np.ceil(change / _MAX_STRAIN_STEP), _MAX_PIECES).astype(int)
-        inner = [
-            np.linspace(levels[i], levels[i + 1], pieces[i] + 1)[1:-1]
-            for i in np.flatnonzero(pieces > 1)
-        ]
-        levels = np.sort(np.concatenate([levels, *inner]))
-    return levels
 
 
 def run_starts(values: Array) -> Array:
@@ -242,46 +210,6 @@ class Roots(NamedTuple):
     slope: Array
 
 
-class Searches(NamedTuple):
-    """Searches, a row each, for the levels at which a `state` gives a `target` [N] at a `strain`
-    [-]; `demand`: index of the demand that each serves.
-    """
-
-    curves: StateCurves
-    demand: Array
-    state: Array
-    strain: Array
-    target: Array
-
-    def excess(self, row: Array, level: Array) -> Array:
-        """Force beyond the target [N] at a `level` [-]."""
-        state, strain = self.state[row], self.strain[row]
-        force, _ = self.curves.force(*(x.ravel() for x in (state, level, strain)))
-        return force.reshape(row.shape) - self.target[row]
-
-
-class Points(NamedTuple):
-    """Points on force curves, in order of `row` and `level` [-]: force beyond the target
-    (`excess` [N]), whether the curve goes on to the next point (`linked`), and whether it has a
-    kink there (`kinked`).
-    """
-
-    row: Array
-    level: Array
-    excess: Array
-    linked: Array
-    kinked: Array
-
-    def insert(self, row: Array, level: Array, excess: Array, kinked: Array) -> "Points":
-        """Points with additional ones, which are linked to their neighbors."""
-        added = (row, level, excess, np.ones(len(row), bool), kinked)
-        columns = [np.concatenate(pair) for pair in zip(self, added, strict=True)]
-        order = np.lexsort((columns[1], columns[0]))
-        is_new = [np.diff(x[order], prepend=-1) != 0 for x in columns[:2]]
-        order = order[is_new[0] | is_new[1]]
-        return Points(*(x[order] for x in columns))
-
-
 def find_roots(
     curves: StateCurves, force: Array, strain: Array, state: Array | None = None
 ) -> Roots:
@@ -289,194 +217,144 @@ def find_roots(
     states = np.arange(curves.states) if state is None else state[:, None]
     states = np.broadcast_to(states, (len(force), states.shape[-1]))
     parts = []
-    for batch in slices(len(force), max(1, _BATCH // states.shape[-1])):
-        demand, column = np.indices(states[batch].shape).reshape(2, -1)
-        F, eps, state = force[batch], strain[batch], states[batch][demand, column]
-        forces = curves.force_at_nodes(eps)
-        fixed = forces[:, :, 0] @ curves.vented.T + forces[:, :, -1] @ curves.full.T
-        target = F[demand] - fixed[0, demand, state]
-        excess = (forces[0] @ curves.throttled.T)[demand, :, state] - target[:, None]
-        searches = Searches(curves, demand, state, eps[demand], target)
-        row, level, exact = _search_levels(searches, len(F), excess)
-        demand, state = demand[row], state[row]
-        forces = curves.force(state, level, eps[demand]) + fixed[:, demand, state]
-        parts.append((demand + batch.start, state, level, exact, *forces))
+    for i in slices(len(force), max(1, _BATCH // states.shape[-1])):
+        roots = _roots_of_batch(curves, force[i], strain[i], states[i])
+        parts.append(roots._replace(demand=roots.demand + i.start))
     return Roots(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _search_levels(searches: Searches, count: int, excess: Array) -> tuple[Array, Array, Array]:
-    """Row, level [-] and exactness of each root; `excess`: at all nodes [N]."""
-    curves, demand = searches.curves, searches.demand
+def _roots_of_batch(curves: StateCurves, force: Array, strain: Array, states: Array) -> Roots:
+    """Roots of demands that fit the memory, of a row of `states` each."""
+    from scipy.optimize import elementwise
 
-    def nearest_of(distance: Array, row: Array) -> Array:
-        """Least `distance` [N] among the rows of each demand."""
-        nearest = np.full(count, np.inf)
-        np.minimum.at(nearest, demand[row], distance)
-        return nearest
+    # a search for each demand and state, the arrays of which are by search
+    demand, column = np.indices(states.shape).reshape(2, -1)
+    state, plates = states[demand, column], strain[demand]
+    forces = curves.force_at_nodes(strain)
+    fixed = forces[:, :, 0] @ curves.vented.T + forces[:, :, -1] @ curves.full.T
+    fixed = fixed[:, demand, state]
+    target = force[demand] - fixed[0]
 
-    slack = nearest_of(np.abs(excess).min(axis=1), np.arange(len(demand)))[demand]
-    cells = _may_reach_zero(excess, slack[:, None] + TIE)
-    padded = np.pad(cells, ((0, 0), (1, 1)))
-    # neighbors show where a curve turns
-    padded[:, 1:-1] = padded[:, :-2] | padded[:, 1:-1] | padded[:, 2:]
-    row, node = np.nonzero(padded[:, :-1] | padded[:, 1:])
-    level, linked = curves.levels[node], padded[row, node + 1]
-    points = Points(row, level, excess[row, node], linked, np.zeros(len(row), bool))
-    points = _insert_kinks(searches, points, node, slack)
-    points = _insert_extrema(searches, points, slack)
-    row, level = _collect_roots(searches, points)
+    def excess_at(level: Array, search: Array) -> Array:
+        return curves.force(state[search], level, plates[search])[0] - target[search]
 
-    owner, distance = demand[points.row], np.abs(points.excess)
-    nearest = nearest_of(distance, points.row)
-    nearest[demand[row]] = -np.inf  # a reached one
+    def least(distance: Array, search: Array) -> Array:
+        """Least distance [N] among the searches of each demand."""
+        distances = np.full(len(force), np.inf)
+        np.minimum.at(distances, demand[search], distance)
+        return distances
+
+    excess = (forces[0] @ curves.throttled.T)[demand, :, state] - target[:, None]
+    slack = TIE + least(np.abs(excess).min(axis=1), np.arange(len(demand)))[demand]
+    near = _may_reach_zero(excess, slack[:, None])
+    search, kink, is_kink = _kinks_near(curves, state, plates, near)
+    position = search * len(curves.levels) + np.searchsorted(curves.levels, kink)
+    level = np.insert(np.tile(curves.levels, len(demand)), position, kink)
+    excess = np.insert(excess.ravel(), position, excess_at(kink, search))
+    smooth = ~np.insert(np.zeros(near.shape[0] * len(curves.levels), bool), position, is_kink)
+    search = np.insert(np.repeat(np.arange(len(demand)), len(curves.levels)), position, search)
+    search, level, excess = insert_extrema(excess_at, search, level, excess, slack[search], smooth)
+
+    tolerance = (ROOT_TOLERANCE + _SUM_ROUNDING * np.abs(target))[search]
+    meets, linked = np.abs(excess) <= tolerance, search[1:] == search[:-1]
+    # a run of nodes that all meet the demand counts once, by its first
+    first = meets.copy()
+    first[1:] &= ~(meets[:-1] & linked)
+    # an endpoint that is an earlier state's, too, counts there
+    owns_start, owns_end = (x[state[search]] for x in curves.owns_endpoints)
+    first &= ((level > 0) | owns_start) & ((level < 1) | owns_end)
+    changes = linked & ~meets[:-1] & ~meets[1:] & ((excess[:-1] > 0) != (excess[1:] > 0))
+    i = np.flatnonzero(changes)
+    crossing = elementwise.find_root(excess_at, (level[i], level[i + 1]), args=(search[i],))
+    crosses = np.abs(crossing.f_x) <= tolerance[i]  # else the force jumps past the demand
+    roots = [np.append(search[first], search[i[crosses]])]
+    roots += [np.append(level[first], crossing.x[crosses])]
+
+    distance, owner = np.abs(excess), demand[search]
+    nearest = least(distance, search)
+    nearest[demand[roots[0]]] = -np.inf  # a demand that is met
     ties = np.flatnonzero(distance <= nearest[owner] + TIE)
     first = ties[run_starts(owner[ties])]
-    exact = np.arange(len(row) + len(first)) < len(row)
-    row, level = np.append(row, points.row[first]), np.append(level, points.level[first])
-    order = np.lexsort((level, row))
-    return row[order], level[order], exact[order]
+    exact = np.arange(len(roots[0]) + len(first)) < len(roots[0])
+    search, level = np.append(roots[0], search[first]), np.append(roots[1], level[first])
+    order = np.lexsort((level, search))
+    search, level = search[order], level[order]
+    forces = curves.force(state[search], level, plates[search]) + fixed[:, search]
+    return Roots(demand[search], state[search], level, exact[order], *forces)
 
 
-def _insert_kinks(searches: Searches, points: Points, node: Array, slack: Array) -> Points:
-    """Points, all at a `node`, with the kinks in cells as near to the target as `slack` [N], and a
-    point on each side of them.
+def _kinks_near(
+    curves: StateCurves, state: Array, plates: Array, near: Array
+) -> tuple[Array, Array, Array]:
+    """Kinks of throttled muscles in the cells `near` of each search, each between a point on both
+    of its sides: search and level [-], in order, and whether it is the kink itself.
     """
-    curves, plates = searches.curves, searches.strain[points.row]
-    is_near = _may_reach_zero(points.excess, slack[points.row][:-1], points.linked[:-1])
-    throttled = curves.throttled[searches.state[points.row]]
-    rows, levels, kinked = [], [], []
+    from scipy.optimize import elementwise
+
+    columns = [np.zeros((3, 0))]
     for j, muscle in enumerate(curves.muscles):
-        strain, is_candidate = muscle.strain(plates), is_near & (throttled[:-1, j] > 0)
+        candidate, cell = np.nonzero(near & (curves.throttled[state, j] > 0)[:, None])
+        strain = muscle.strain(plates)[candidate]
         for kink, strains in muscle.kinks.items():
-            miss = strains[node] - strain
-            finite = np.isfinite(miss)
-            is_cell = is_candidate & finite[1:] & finite[:-1] & (miss[1:] * miss[:-1] < 0)
-            if len(i := np.flatnonzero(is_cell)):
-                left, right = points.level[i], points.level[i + 1]
-                distance = partial(muscle.kink_distance, kink)
-                ends = (left, right), (miss[i], miss[i + 1])
-                level, _ = _find_level(distance, plates[i], *ends, _KINK_SHARE * np.abs(miss[i]))
-                rows.append(np.tile(points.row[i], 3))
-                levels += [level + _KINK_INSET * (end - level) for end in (left, level, right)]
-                kinked.append(np.repeat([False, True, False], len(i)))
-    if not rows:
-        return points
-    row, level = np.concatenate(rows), np.concatenate(levels)
-    return points.insert(row, level, searches.excess(row, level), np.concatenate(kinked))
+            i = np.flatnonzero((strains[cell] - strain) * (strains[cell + 1] - strain) < 0)
+            if not len(i):
+                continue
+            ends, search = (curves.levels[cell[i]], curves.levels[cell[i] + 1]), candidate[i]
+            distance = partial(muscle.kink_distance, kink)
+            level = elementwise.find_root(distance, ends, args=(plates[search],)).x
+            for side, is_kink in zip((ends[0], level, ends[1]), (0, 1, 0), strict=True):
+                x = level + _KINK_INSET * (side - level)
+                columns.append(np.array([search, x, np.full(len(i), is_kink)])[:, level > 0])
+    search, level, is_kink = np.concatenate(columns, axis=1)
+    order = np.lexsort((level, search))
+    search, level, is_kink = search[order].astype(int), level[order], is_kink[order] > 0
+    new = (np.diff(search, prepend=-1) > 0) | (np.diff(level, prepend=-1) > 0)
+    return search[new], level[new], is_kink[new]
 
 
-def _insert_extrema(searches: Searches, points: Points, slack: Array) -> Points:
-    """Points with the extrema that come as near to the target as `slack` [N]."""
-    row, level = find_extrema(
-        searches.excess, points.row, points.level, points.excess, points.linked, slack[points.row],
-        ~points.kinked,
-    )  # fmt: skip
-    if not len(row):
-        return points
-    return points.insert(row, level, searches.excess(row, level), np.zeros(len(row), bool))
-
-
-def find_extrema(
-    function: Callable[[Array, Array], Array], row: Array, x: Array, excess: Array, linked: Array,
-    slack: Any, smooth: Array,
-) -> tuple[Array, Array]:  # fmt: skip
-    """Extrema of curves between points, by row and `x` [-], that may come as near to zero as
-    `slack` [N]; `function`: of rows and x, whose values at the points are `excess` [N]; `linked`:
-    where a curve goes on to the next point; `smooth`: false at a known kink, which is an extremum
-    itself, or none.
+def insert_extrema(
+    function: Callable[[Array, Array], Array], row: Array, x: Array, excess: Array, slack: Any,
+    smooth: Array,
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """Nodes of curves with the extrema that may come as near to zero as `slack` [N]: `row` of the
+    curve, `x` [-], and `excess` [N], the `function` of x and row; `smooth`: false at a known kink,
+    which is an extremum itself, or none.
     """
     sign = np.where(excess[1:-1] > 0, 1.0, -1.0)
     windows = (slice(None, -2), slice(1, -1), slice(2, None))
     before, middle, after = (sign * excess[window] for window in windows)
-    left, right = np.diff(x)[:-1], np.diff(x)[1:]
+    is_turn = (row[2:] == row[:-2]) & smooth[1:-1] & (middle > 0)
+    i = np.flatnonzero(is_turn & (middle <= np.minimum(before, after)))
+    before, middle, after = before[i], middle[i], after[i]
+    left, right = x[i + 1] - x[i], x[i + 2] - x[i + 1]
     # a convex curve stays above the chords of both sides, extended beyond the middle
     depth = np.maximum((before - middle) * right / left, (after - middle) * left / right)
-    is_turn = (
-        linked[:-2]
-        & linked[1:-1]
-        & (middle > 0)
-        & (before >= middle)
-        & (after >= middle)
-        & smooth[1:-1]
-    )
-    is_turn &= (depth > ROOT_TOLERANCE) & (middle - depth < np.broadcast_to(slack, x.shape)[1:-1])
-    i = np.flatnonzero(is_turn)
+    slack = np.broadcast_to(slack, x.shape)[i + 1]
+    i = i[(depth > ROOT_TOLERANCE) & (middle - depth < slack)]
     if not len(i):
-        return row[i], x[i]
+        return row, x, excess
     from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
 
     turn = elementwise.find_minimum(
-        lambda x, row, sign: sign * function(row, x),
+        lambda x, row, sign: sign * function(x, row),
         tuple(x[window][i] for window in windows),
         args=(row[i + 1], sign[i]),
         tolerances={"xrtol": _LEVEL_ROUNDING, "fatol": 0.25 * ROOT_TOLERANCE},
     ).x
     exists = np.isfinite(turn)  # else, to rounding, a neighbor is lower
-    return row[i + 1][exists], turn[exists]
+    i, turn = i[exists] + 1, turn[exists]
+    position, added = i + (turn > x[i]), (row[i], turn, function(turn, row[i]))
+    row, x, excess = map(np.insert, (row, x, excess), [position] * 3, added)
+    return row, x, excess
 
 
-def _collect_roots(searches: Searches, points: Points) -> tuple[Array, Array]:
-    """Roots by row and level [-]: points that meet the target, and changes of sign."""
-    tolerance = (ROOT_TOLERANCE + _SUM_ROUNDING * np.abs(searches.target))[points.row]
-    meets = np.abs(points.excess) <= tolerance
-    # a run of points that all meet it counts once, by its first
-    follows = np.zeros(len(meets), bool)
-    follows[1:] = meets[1:] & meets[:-1] & points.linked[:-1]
-    first = meets & ~follows
-    # an endpoint that is an earlier state's, too, counts there
-    state = searches.state[points.row]
-    owns_start, owns_end = (x[state] for x in searches.curves.owns_endpoints)
-    first &= ((points.level > 0) | owns_start) & ((points.level < 1) | owns_end)
-    change = points.linked[:-1] & ~meets[:-1] & ~meets[1:]
-    i = np.flatnonzero(change & ((points.excess[:-1] > 0) != (points.excess[1:] > 0)))
-    row = points.row[i]
-    level, excess = ((x[i], x[i + 1]) for x in (points.level, points.excess))
-    tolerance = tolerance[i]
-    level, miss = _find_level(lambda x, row: searches.excess(row, x), row, level, excess, tolerance)
-    crosses = np.abs(miss) <= tolerance  # else the force jumps past the target
-    return (
-        np.append(points.row[first], row[crosses]),
-        np.append(points.level[first], level[crosses]),
-    )
-
-
-def _find_level(
-    function: Callable[..., Array], argument: Array, ends: tuple[Array, Array],
-    values: tuple[Array, Array], tolerance: Array,
-) -> tuple[Array, Array]:  # fmt: skip
-    """Levels [-] between two `ends` [-] at which a `function` of level and `argument` changes sign,
-    and its values there; `values`: at the ends; `tolerance`: of a value that is zero.
-
-    Newton's method, by difference quotients, takes half as many values as one without slopes. It
-    ends short of a root that lies beside a kink, for which the slower one is there.
-    """
-    sign = np.where(values[0] > 0, 1.0, -1.0)
-
-    def falling(argument: Array, level: Array) -> tuple[Array, Array]:
-        value, beyond = function(np.stack([level, level + _STEP]), np.stack([argument, argument]))
-        return sign * value, sign * (beyond - value) / _STEP
-
-    secant = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1])
-    level = refine_root(falling, argument, find_root(falling, argument, *ends, secant))
-    level = np.clip(level, *ends)
-    value = function(level, argument)
-    if len(i := np.flatnonzero(np.abs(value) > tolerance)):
-        from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
-
-        bracket = ends[0][i], ends[1][i]
-        result = elementwise.find_root(function, bracket, args=(argument[i],))
-        level[i], value[i] = result.x, result.f_x
-    return level, value
-
-
-def _may_reach_zero(excess: Array, slack: Array, linked: Array | bool = True) -> Array:
+def _may_reach_zero(excess: Array, slack: Array) -> Array:
     """Mask of cells, on the last axis, in which a curve may come as near to zero as `slack` [N]."""
-    left, right = excess[..., :-1], excess[..., 1:]
+    left, right = excess[:, :-1], excess[:, 1:]
     # between its ends a curve goes no farther than it changes there and in the neighboring cells
-    change = np.abs(right - left) * linked
+    change = np.abs(right - left)
     margin = change.copy()
-    margin[..., 1:] = np.maximum(margin[..., 1:], change[..., :-1])
-    margin[..., :-1] = np.maximum(margin[..., :-1], change[..., 1:])
-    distance = 0.5 * (np.abs(left + right) - change)
+    margin[:, 1:] = np.maximum(margin[:, 1:], change[:, :-1])
+    margin[:, :-1] = np.maximum(margin[:, :-1], change[:, 1:])
     # strictly: a plateau at the nearest force holds nothing nearer
-    return linked & (distance - margin < slack)
+    return 0.5 * (np.abs(left + right) - change) - margin < slack

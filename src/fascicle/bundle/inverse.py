@@ -27,7 +27,7 @@ from ..core.validation import (
     is_concrete,
 )
 from ..repr_table import with_table_repr
-from .force_curves import ROOT_TOLERANCE, Array, StateCurves, find_roots, run_starts
+from .force_curves import ROOT_TOLERANCE, Array, Roots, StateCurves, find_roots, run_starts
 from .pressurized import unit_volume_change
 from .printing import recruitment_table, solutions_table
 from .schemes import AbstractScheme
@@ -108,90 +108,68 @@ def recruit(
     "nearest" without `present`, and arrays that JAX traces: the search is NumPy's alone.
     """
     scheme = resolve_scheme(bundle, scheme)
-    check_choice(prefer, PREFERENCES, "prefer")
+    nearest = check_choice(prefer, PREFERENCES, "prefer") == "nearest"
     if not is_concrete(bundle, force, strain, supply, present):
         rule = "and all other arguments must be numbers, not traced by JAX,"
         remedy = "call `recruit` outside of jit, grad and vmap"
         raise InvalidInputError("force", rule, force, remedy, shown="a traced one")
-    bundle = to_numpy(bundle)
+    bundle, units = to_numpy(bundle), len(bundle.motor_units)
     F, eps = check_finite(force, "force", "N"), bundle._check_strain(strain)
     supply = resolve_supply_pressure(bundle, supply)
-    units = len(bundle.motor_units)
-    arrays: list[Any] = [F, eps]
-    shapes = {"force": np.shape(F), "strain": np.shape(eps)}
-    if prefer == "nearest":
-        if scheme.independent:
-            rule = f"must be 'efficiency' with scheme {scheme.name!r}"
-            remedy = "pressures of its units are free: there is no list of solutions to choose from"
-            raise InvalidInputError("prefer", rule, prefer, remedy)
-        if present is None:
-            remedy = f"pass a pressure for each of the {units} motor units"
-            rule = "must be given in Pa with `prefer` 'nearest'"
-            raise InvalidInputError("present", rule, None, remedy)
-        arrays.append(bundle._check_pressures(present, "present"))
-        shapes["present"] = np.shape(arrays[-1])[:-1]
-    shape, axes = broadcast_shape(**shapes), ((), (), (units,))
-    F, eps, *pressures = (
-        np.broadcast_to(x, shape + y).reshape(-1, *y) + 0.0
-        for x, y in zip(arrays, axes, strict=False)
-    )
-    states, volume = states_of(scheme, units), None
+    if nearest and scheme.independent:
+        rule = f"must be 'efficiency' with scheme {scheme.name!r}"
+        remedy = "pressures of its units are free: there is no list of solutions to choose from"
+        raise InvalidInputError("prefer", rule, prefer, remedy)
+    if nearest and present is None:
+        remedy = f"pass a pressure for each of the {units} motor units"
+        rule = "must be given in Pa with `prefer` 'nearest'"
+        raise InvalidInputError("present", rule, None, remedy)
+    P = bundle._check_pressures(present, "present") if nearest else np.zeros(units)
+    shape = broadcast_shape(force=np.shape(F), strain=np.shape(eps), present=np.shape(P)[:-1])
+    F, eps = (np.broadcast_to(x, shape).ravel() + 0.0 for x in (F, eps))
+    states = states_of(scheme, units)
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        if not states.nested or states.independent:  # else the order of states is that of energies
-            volume = unit_volume_change(bundle, eps)
         curves = StateCurves(bundle, supply, states, bool(resistance))
-        if volume is not None and states.independent:
-            sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
-            parts = [
-                _least_energy(curves, F[i], eps[i], volume[i], sets, owner)
-                for i in slices(F.size, max(1, min(_BATCH, _PAIRS // sets.size)))
-            ]
-            result = tree_map(lambda *x: np.concatenate(x), *parts)
+        if states.independent:
+            result = _least_energy(bundle, curves, F, eps, states)
         else:
-            present = pressures[0] if pressures else None
-            result = _best_solution(curves, F, eps, states, present, volume)
+            roots = find_roots(curves, F, eps)
+            pressures = states.pressures(roots.state, roots.level * supply, supply)
+            cost = np.zeros(len(roots.demand))  # they are in order of their energy already
+            if nearest:
+                present = np.broadcast_to(P, (*shape, units)).reshape(-1, units)
+                cost = np.sum((pressures - present[roots.demand]) ** 2, axis=-1)
+            elif not states.nested:
+                volume = np.maximum(unit_volume_change(bundle, eps), 0.0)
+                cost = (volume @ states.pressurized.T.astype(float))[roots.demand, roots.state]
+            result = _best_solution(F, roots, cost, pressures, states)
     return tree_map(lambda x: x.reshape((*shape, *x.shape[1:]))[()], result)
 
 
 def _best_solution(
-    curves: StateCurves, force: Array, strain: Array, states: States,
-    present: Array | None, volume: Array | None,
-) -> RecruitmentResult:  # fmt: skip
-    """Best solution of (B9) for each `force` [N] and `strain` [-]: the nearest to the `present`
-    pressures [Pa], else that of least fluid by units' `volume` [m³] since rest, else the first.
+    force: Array, roots: Roots, cost: Array, pressures: Array, states: States
+) -> RecruitmentResult:
+    """Of all `roots` of (B9) for each `force` [N] the first one of the least `cost` [any unit];
+    `pressures`: of all units at the roots [Pa].
     """
-    roots = find_roots(curves, force, strain)
-    cost = np.zeros(len(roots.demand))  # they are in order of their energy already
-    if present is not None:
-        pressures = states.pressures(roots.state, roots.level * curves.supply, curves.supply)
-        cost = np.sum((pressures - present[roots.demand]) ** 2, axis=-1)
-    elif volume is not None:
-        fluid = np.maximum(volume, 0.0) @ states.pressurized.T.astype(float)
-        cost = fluid[roots.demand, roots.state]
     order = np.lexsort((cost, roots.demand))
     best = order[run_starts(roots.demand[order])]
     count = np.bincount(roots.demand[roots.exact], minlength=len(force))
-    shape = (len(force), max(_SLOTS_PER_STATE * curves.states + 2, int(count.max(initial=0))))
+    shape = (len(force), max(_SLOTS_PER_STATE * states.size + 2, int(count.max(initial=0))))
     solutions = Solutions(np.full(shape, np.nan), np.zeros(shape, int), np.zeros(shape, bool))
     slot = np.arange(len(roots.demand)) - np.searchsorted(roots.demand, roots.demand)
-    columns = (roots.level * curves.supply, roots.state + 1, roots.slope < 0)
-    for table, column in zip(solutions, columns, strict=True):
+    throttled = pressures[np.arange(len(slot)), states.throttled_unit[roots.state]]
+    for table, column in zip(solutions, (throttled, roots.state + 1, roots.slope < 0), strict=True):
         table[roots.demand[roots.exact], slot[roots.exact]] = column[roots.exact]
-    state = roots.state[best]
+    _, state, _, exact, value, slope = (column[best] for column in roots)
+    unit, status = states.throttled_unit[state] + 1, _demand_status(exact, value, force)
     return RecruitmentResult(
-        pressures=states.pressures(state, roots.level[best] * curves.supply, curves.supply),
-        state=state + 1,
-        force=roots.force[best],
-        status=_demand_status(roots.exact[best], roots.force[best], force),
-        stable=roots.slope[best] < 0,
-        solutions=solutions,
-        count=count,
-        unit=states.throttled_unit[state] + 1,
+        pressures[best], state + 1, value, status, slope < 0, solutions, count, unit
     )
 
 
 def _least_energy(
-    curves: StateCurves, force: Array, strain: Array, volume: Array, sets: States, owner: Array
+    bundle: Any, curves: StateCurves, force: Array, strain: Array, states: States
 ) -> RecruitmentResult:
     r"""Pressures of least fluid energy for each `force` [N] and `strain` [-], if each unit has a
     pressure of its own.
@@ -202,38 +180,52 @@ def _least_energy(
     $$F_0 + \sum_{i \in A} (\min_p F_i - F_i(0)) \le F_d \le
       F_0 + \sum_{i \in A} (\max_p F_i - F_i(0)), \tag{B11}$$
 
-    $F_0$ with all units vented. Of all `sets` that reach a demand (`owner`: the state of each),
-    it takes that whose units take in least `volume` [m³] since rest, units last; of equal ones that
-    with fewer units, then the earlier ones. All its units but the last pull most (below $F_0$:
-    resist most), and the last is throttled, at the lowest pressure that meets the demand; if its
-    force jumps past that, a unit before it.
+    $F_0$ with all units vented. Of all sets that reach a demand, it takes that whose units take in
+    least fluid since rest; of equal ones that with fewer units, then the earlier ones. All its
+    units but the last pull most (below $F_0$: resist most), and the last is throttled, at the
+    lowest pressure that meets the demand; if its force jumps past that, a unit before it.
     """
-    units, tolerance = len(curves.kind), CLOSE * (1 + np.abs(force))
+    sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
+    # fluid that flows back counts as nothing: then the fewest units are taken
+    volume = np.maximum(unit_volume_change(bundle, strain), 0.0)
+    parts = [
+        _least_energy_of_batch(curves, force[i], strain[i], volume[i], sets, owner)
+        for i in slices(len(force), max(1, min(_BATCH, _PAIRS // sets.size)))
+    ]
+    return tree_map(lambda *x: np.concatenate(x), *parts)
+
+
+def _least_energy_of_batch(
+    curves: StateCurves, force: Array, strain: Array, volume: Array, sets: States, owner: Array
+) -> RecruitmentResult:
+    """As `_least_energy`, of demands that fit the memory, among `sets` of units, which belong to
+    the states `owner`; `volume`: that each unit takes in [m³].
+    """
+    units, rows, tolerance = len(curves.kind), np.arange(len(force)), CLOSE * (1 + np.abs(force))
     unique, inverse = np.unique(strain, return_inverse=True)  # many demands may share a strain
     limits = (x[inverse] for x in _unit_limits(curves, unique))
     vented, full, least_force, least_level, most_force, most_level = limits
     base = full @ sets.full.T.astype(float) + vented @ (~sets.full).T.astype(float)
     members = sets.throttled.T.astype(float)
     low, high = base + (least_force - vented) @ members, base + (most_force - vented) @ members
-    miss = np.maximum(np.maximum(low - force[:, None], force[:, None] - high), 0.0)
+    target = np.clip(force[:, None], low, high)
+    miss = np.abs(target - force[:, None])
     is_reached = miss.min(axis=1) <= ROOT_TOLERANCE
-    # fluid that flows back counts as nothing: then the fewest units are taken
-    cost = np.maximum(volume, 0.0) @ sets.pressurized.T.astype(float)
+    cost = volume @ sets.pressurized.T.astype(float)
     cost = np.where(miss <= ROOT_TOLERANCE, cost, np.inf)
     choice = np.argmin(np.where(is_reached[:, None], cost, miss), axis=1)
+    target, base = target[rows, choice], base[rows, choice]
 
-    rows = np.arange(len(force))
-    target = np.clip(force, low[rows, choice], high[rows, choice])
     in_set = sets.throttled[choice]
-    pulls = (target >= base[rows, choice])[:, None]
-    cases = [sets.full[choice], in_set & pulls, in_set]
-    start = np.select(cases, [1.0, most_level, least_level], 0.0)
+    cases = [sets.full[choice], in_set & (target >= base)[:, None], in_set]
+    level = np.select(cases, [1.0, most_level, least_level], 0.0)
     unit_force = np.select(cases, [full, most_force, least_force], vented)
-    unit = units - 1 - np.argmax(in_set[:, ::-1], axis=1)
-    level, value, slope = start.copy(), np.zeros(len(force)), np.zeros(len(force))
-    index = rows
+    start, value, slope = level.copy(), np.zeros(len(force)), np.zeros(len(force))
+    candidates, unit, index = in_set.copy(), np.zeros(len(force), int), rows
     while len(index):
-        throttled = unit[index]
+        # the last of the units that haven't been tried
+        throttled = unit[index] = units - 1 - np.argmax(candidates[index, ::-1], axis=1)
+        candidates[index, throttled] = False
         required = target[index] - unit_force[index].sum(axis=1) + unit_force[index, throttled]
         roots = find_roots(curves, required, strain[index], throttled)
         level[index] = start[index]
@@ -242,10 +234,8 @@ def _least_energy(
         all_units = np.tile(np.arange(units), len(index))
         forces = curves.force(all_units, level[index].ravel(), np.repeat(strain[index], units))
         value[index], slope[index] = forces.reshape(2, -1, units).sum(axis=2)
-        earlier = in_set & (np.arange(units) < unit[:, None])
         missed = is_reached & (np.abs(value - force) > tolerance)
-        index = np.flatnonzero(missed & earlier.any(axis=1))
-        unit[index] = units - 1 - np.argmax(earlier[index, ::-1], axis=1)
+        index = np.flatnonzero(missed & candidates.any(axis=1))
     is_reached &= np.abs(value - force) <= tolerance
     pressures, state, stable = level * curves.supply, owner[choice] + 1, slope < 0
     solutions = Solutions(
