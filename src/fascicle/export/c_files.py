@@ -2,10 +2,12 @@
 
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..bundle import Bundle, MotorUnit
 from ..bundle.pressurized import muscle_strain, plate_strain
@@ -52,9 +54,8 @@ def check_c_name(name: str) -> str:
         raise InvalidInputError("name", rule, None, f"{remedy}, got {name[:40]!r}")
     if name.lower() in _RESERVED:  # some file systems ignore case
         rule = "must not be a keyword or a standard header of C"
-        raise InvalidInputError(
-            "name", rule, None, f"add a word, such as {name}_muscle", shown=name
-        )
+        remedy = f"add a word, such as {name}_muscle"
+        raise InvalidInputError("name", rule, None, remedy, shown=name)
     return name
 
 
@@ -64,30 +65,25 @@ def as_bundle(target: Muscle | Bundle, kinds: str = "a Muscle or a Bundle") -> B
         raise InvalidInputError("target", f"must be {kinds}", target)
     bundle = target if isinstance(target, Bundle) else Bundle([MotorUnit(target)])
     if not is_concrete(target) or any(not unit.muscle.is_single for unit in bundle.motor_units):
-        raise InvalidInputError(
-            "target", "must hold numbers, one for each size", None, shown="arrays"
-        )
+        rule = "must hold numbers, one for each size"
+        raise InvalidInputError("target", rule, None, shown="arrays")
     return bundle
 
 
 def length_ratios(bundle: Bundle) -> tuple[float, ...]:
     """Distance of the plates over the length of each motor unit [-]."""
-    if bundle.ratios is None:
-        return (1.0,) * len(bundle.motor_units)
-    return tuple(float(ratio) for ratio in bundle.ratios)
+    ratios = np.ones(len(bundle.motor_units)) if bundle.ratios is None else bundle.ratios
+    return tuple(map(float, ratios))
 
 
 def table_strains(bundle: Bundle) -> list[tuple[float, float]]:
     """Ends of the table of each motor unit's muscle [-]: up to the contraction at which no unit of
     the bundle pulls any more, also where its own muscle stops pulling before.
     """
-    muscles, ratios = [unit.muscle for unit in bundle.motor_units], length_ratios(bundle)
-    largest = max(
-        plate_strain(ratio, float(muscle.braid.ideal_free_strain))
-        for muscle, ratio in zip(muscles, ratios, strict=True)
-    )
-    ends = []
-    for muscle, ratio in zip(muscles, ratios, strict=True):
+    muscles = [unit.muscle for unit in bundle.motor_units]
+    pairs, ends = [*zip(muscles, length_ratios(bundle), strict=True)], []
+    largest = max(plate_strain(ratio, float(m.braid.ideal_free_strain)) for m, ratio in pairs)
+    for muscle, ratio in pairs:
         low, high = default_strains(muscle.law)
         ends.append((low, max(high, min(muscle_strain(ratio, largest), LARGEST_STRAIN))))
     return ends
@@ -100,9 +96,12 @@ def render_template(file: str, values: Mapping[str, Any]) -> str:
     return text.rstrip("\n") + "\n"
 
 
-def c_array(values: Iterable[Any], number: Any = repr) -> str:
-    """Initializers of a C array; `number`: formats one of them."""
-    return ", ".join(number(value) for value in values)
+def c_array(values: Any, number: Callable[[Any], str] = repr) -> str:
+    """Initializers of an array in C, in braces from its second axis on; `number`: formats one."""
+    rows = np.asarray(values).tolist()
+    if rows and isinstance(rows[0], list):
+        return ",\n".join("{" + c_array(row, number) + "}" for row in rows)
+    return ", ".join(map(number, rows))
 
 
 def write_c_files(

@@ -13,6 +13,7 @@ that of least fluid; `c/inverse_sets.c` has (B11), for units that have a pressur
 
 import os
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -49,10 +50,6 @@ SHAPES = {"double": (65, 81), "float": (33, 41)}
 _VOLUME_STRAINS = np.array([0.05, 0.1, 0.2])
 _LOWEST = -101325.0  # Pa, vacuum in the standard atmosphere
 _ROUNDINGS = 12  # of a sum of six products in Hermite's form, for each of both coordinates
-_AGREEMENT = (
-    "It solves for the table's force; where the table's error moves a demand across the limit of\n"
-    "a state, the choice differs from Python's."
-)
 _EDGE = {"double": 1e-12, "float": 2.0**-22}  # relative margin of the highest pressure: rounding
 
 
@@ -114,14 +111,7 @@ class BundleTables(NamedTuple):
                 return f"{np.format_float_scientific(np.float32(value), trim='0')}f"
             return repr(float(value))
 
-        def initializers(values: Values) -> str:
-            return c_array(values, number)
-
-        def nested_initializers(values: np.ndarray) -> str:
-            if values.ndim == 1:
-                return "{" + initializers(values) + "}"
-            return "{" + ",\n".join(map(nested_initializers, values)) + "}"
-
+        initializers = partial(c_array, number=number)
         values = {
             "title": "A muscle" if len(self.kinds) == 1 else "A bundle of muscles",
             "version": __version__,
@@ -136,13 +126,13 @@ class BundleTables(NamedTuple):
             "lowest_pressure_real": number(_LOWEST),
             "rounding": number(1 + _EDGE[self.precision]),
             "errors": "\n".join(f" * {line}" for line in self.errors.splitlines()),
-            "nodes": ",\n".join(nested_initializers(nodes(surface)) for surface in surfaces),
-            "root_steps": initializers(float(surface.root_step) for surface in surfaces),
-            "tops": initializers(float(surface.highest_pressure) for surface in surfaces),
+            "nodes": initializers([nodes(surface) for surface in surfaces]),
+            "root_steps": initializers([float(surface.root_step) for surface in surfaces]),
+            "tops": initializers([float(surface.highest_pressure) for surface in surfaces]),
             "lows": initializers(ends[:, 0]),
             "highs": initializers(ends[:, 1]),
-            "cells": initializers((high - low) / columns for low, high in ends),
-            "lengths": initializers(float(surface.rest_length) for surface in surfaces),
+            "cells": initializers((ends[:, 1] - ends[:, 0]) / columns),
+            "lengths": initializers([float(surface.rest_length) for surface in surfaces]),
             "kind_of": c_array(self.kinds),
             "counts": initializers(self.counts),
             "ratios": initializers(self.ratios),
@@ -154,9 +144,7 @@ class BundleTables(NamedTuple):
         if self.precision == "float":
             errors = [_rounding_error(surfaces[kind]) for kind in self.kinds]
             meets = float(np.dot(self.counts, errors))
-        values |= _inverse_code(
-            self.bundle, name, self.highest_supply, meets, _AGREEMENT, self.precision, number
-        )
+        values |= _inverse_code(self.bundle, self.highest_supply, meets, values, number)
         values["curves"] = render_template("table_curves.c", values)
         if self.controller is not None:
             values |= template_values(self.controller, number)
@@ -213,13 +201,7 @@ def tabulate(
     highest_pressure: Values = None,
     shape: tuple[int, int] | None = None,
 ) -> BundleTables:
-    """Tables of a muscle or bundle.
-
-    **Arguments:**
-
-    - `target`, `precision`, `shape`: as for `table_code`.
-    - `highest_pressure`: highest gauge pressure of the table [Pa].
-    """
+    """Tables of a muscle or bundle; arguments as of `table_code`, `highest_pressure` in Pa."""
     check_choice(precision, SHAPES, "precision")
     shape = shape or SHAPES[precision]
     if isinstance(target, Cascade):
@@ -236,9 +218,8 @@ def tabulate(
         highest_pressure = HIGHEST_PRESSURE if supply is None else supply
     indices, kinds = unique_indices([unit.muscle for unit in units])
     muscles, strains = [units[i].muscle for i in indices], table_strains(bundle)
-    top = check_interval(
-        highest_pressure, 0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa", closed=(False, True)
-    )
+    limits = (0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa")
+    top = check_interval(highest_pressure, *limits, closed=(False, True))
     surfaces = tuple(units[i].muscle.table(top, strains[i], shape) for i in indices)
     counts = tuple(int(unit.count) for unit in units)
     tables = BundleTables(surfaces, kinds, counts, length_ratios(bundle), "", precision, bundle)
@@ -246,10 +227,8 @@ def tabulate(
 
 
 def nodes(surface: MuscleTable) -> np.ndarray:
-    """Values and slopes of a table at its nodes, for Hermite interpolation.
-
-    **Returns:** [line, column, 4], the co-energy [J] and its slopes by strain, per cell [J], by
-    pressure [m³] and by both, per cell [m³].
+    """Values and slopes of a table at its nodes for Hermite interpolation, [line, column, 4]: the
+    co-energy [J] and its slopes by strain, per cell [J], by pressure [m³], by both, per cell [m³].
     """
     c = np.asarray(surface.coefficients)
     lines, columns = c.shape[:2]
@@ -263,16 +242,9 @@ def nodes(surface: MuscleTable) -> np.ndarray:
     # each node from its cell, those of the last line and column from the cells before
     for a, rows in ((1, slice(1, None)), (0, slice(None, -1))):
         for b, cols in ((1, slice(1, None)), (0, slice(None, -1))):
-            u, w = 2 * a, 2 * b
-            tables[rows, cols] = np.stack(
-                [
-                    corner[..., u, w],
-                    corner[..., u, w + 1],
-                    corner[..., u + 1, w] / by_P[a],
-                    corner[..., u + 1, w + 1] / by_P[a],
-                ],
-                axis=-1,
-            )
+            values = corner[..., 2 * a : 2 * a + 2, 2 * b : 2 * b + 2].copy()
+            values[..., 1, :] /= by_P[a][..., None]
+            tables[rows, cols] = values.reshape(lines, columns, 4)
     return tables
 
 
@@ -325,39 +297,33 @@ def _rounding_error(surface: MuscleTable) -> float:
 
 def _inverse_code(
     bundle: Bundle,
-    name: str,
     highest: float,
     meets: float,
-    agreement: str,
-    real: str = "double",
-    number: Callable[[float], str] = repr,
+    names: dict[str, Any],
+    number: Callable[[float], str],
 ) -> dict[str, Any]:
-    """Values of the templates for the inverse of a bundle in C, `name` before all names.
+    """Values of the templates for the inverse of a bundle in C, besides the `names`.
 
-    `highest` supply pressure [Pa]; a force within `meets` of the demand meets it [N]; `agreement`
-    with `Bundle.recruit`, as a comment; `number` formats a number of the type `real`.
+    `highest` supply pressure [Pa]; a force within `meets` of the demand meets it [N]; `number`
+    formats a number.
     """
     kinds = unique_indices([unit.muscle for unit in bundle.motor_units])[1]
     states = states_of(bundle.scheme, len(kinds))
     sets, owners = states.sets(unique_indices(bundle.motor_units)[1])
     needs_fluid = states.independent or not states.nested
-    values: dict[str, Any] = {
-        "name": name,
-        "guard": name.upper(),
-        "real": real,
+    values = names | {
         "scheme": bundle.scheme.name,
-        "agreement": agreement.replace("\n", "\n * "),
         "inverse_highest": f"{highest:.0f}",
         "inverse_top": number(highest),
         "meets": number(meets),
         "meets_text": f"{meets:.1g}",
         "tie": number(max(TIE, meets / 2)),
         "close": number(CLOSE),
-        "first_units": ", ".join(str(kinds.index(kind)) for kind in range(max(kinds) + 1)),
+        "first_units": c_array([kinds.index(kind) for kind in range(max(kinds) + 1)]),
         "states": sets.size,
-        "full": _mask_rows(sets.full),
-        "throttled": _mask_rows(sets.throttled),
-        "owners": ", ".join(str(owner + 1) for owner in owners),
+        "full": c_array(sets.full.astype(int)).replace("\n", " "),
+        "throttled": c_array(sets.throttled.astype(int)).replace("\n", " "),
+        "owners": c_array(owners + 1),
         "is_nested": int(not needs_fluid),
         "fluid": "0",
         "fluid_code": "",
@@ -366,16 +332,10 @@ def _inverse_code(
         values["fluid"] = "fluid_of(is_full[k], strain) + fluid_of(is_throttled[k], strain)"
         change = np.asarray(unit_volume_change(bundle, _VOLUME_STRAINS)) / _VOLUME_STRAINS[:, None]
         coefficients = np.linalg.solve(np.vander(_VOLUME_STRAINS, increasing=True), change).T
-        rows = ("{" + ", ".join(map(number, row)) + "}" for row in coefficients.tolist())
-        values["volumes"] = ",\n".join(rows)
+        values["volumes"] = c_array(coefficients, number)
         values["fluid_code"] = "\n" + render_template("inverse_fluid.c", values)
     files = "inverse_begin.c", "inverse_sets.c" if states.independent else "inverse_states.c"
     return values | {
         "inverse": render_template("inverse.h", values),
         "inverse_source": "".join(render_template(file, values) for file in files),
     }
-
-
-def _mask_rows(mask: np.ndarray) -> str:
-    """Initializers of a mask in C, a row each of its states."""
-    return ", ".join("{" + ", ".join(str(int(x)) for x in row) + "}" for row in mask)

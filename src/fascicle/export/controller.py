@@ -29,16 +29,9 @@ _CHAMBERS = (Isothermal, AdiabaticWall)
 
 
 def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
-    """Copy of a controller for C: tables of `shape` (pressure, strain), and acting at every step.
-
-    **Arguments:**
-
-    - `controller`: a `Cascade` of force, "orderly" or "threshold", of one bundle on gas.
-    - `shape`: nodes of the muscles' tables in pressure and strain.
-
-    **Returns:** the controller on these tables, which acts at each of its samples.
-
-    **Raises:** `ValueError` for a controller whose step can't be written as C.
+    """Copy of a `Cascade` of force, "orderly" or "threshold", of one bundle on gas, for C: with
+    tables of `shape` (pressure, strain), and acting at every step. `ValueError` for a controller
+    whose step can't be written as C.
     """
     plant = controller.plant
     limitations = (
@@ -69,13 +62,7 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
     density = chamber.gas.density(np.asarray(chamber.room_pressure), temperature)
 
     def initializers(values: Any) -> str:
-        return ", ".join(number(x) for x in np.broadcast_to(np.asarray(values, float), (count,)))
-
-    def nested_initializers(values: Any) -> str:
-        values = np.asarray(values)
-        if values.ndim == 1:
-            return "{" + ", ".join(number(x) for x in values) + "}"
-        return "{" + ",\n".join(map(nested_initializers, values)) + "}"
+        return c_array(np.broadcast_to(np.asarray(values, float), (count,)), number)
 
     def valve(valve: SonicValve, temperatures: tuple[float, float]) -> str:
         """Constants [unit, direction, 3] of each unit's valve with its hose, forward and back."""
@@ -84,15 +71,15 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
             C, b = valve.hose_series(np.array(not back), 1.0)
             constants[:, back, 0] = C * valve.reference_density * np.sqrt(ROOM_TEMPERATURE / T)
             constants[:, back, 1], constants[:, back, 2] = b, valve.m
-        return nested_initializers(constants)[1:-1]
+        return c_array(constants, number)
 
     return {
         "branch_count": len(branches.onsets),
-        "branch_of": c_array(map(int, branches.muscles.indices)),
+        "branch_of": c_array(np.asarray(branches.muscles.indices)),
         "policy": _c_policy(controller),
         "shares": branches.pressures.shape[-1] - 1,
-        "onsets": ",\n".join(map(nested_initializers, branches.onsets)),
-        "branches": ",\n".join(map(nested_initializers, branches.pressures)),
+        "onsets": c_array(branches.onsets, number),
+        "branches": c_array(branches.pressures, number),
         "branch_top": number(branches.top),
         "highest_pressure": number(controller.highest_pressure),
         "dt": number(controller.dt * controller.every),

@@ -91,7 +91,7 @@ def write_fmu(
     its sources.
     """
     path = Path(path)
-    folder = _platform(platform)
+    folder = _this_platform() if platform is None else check_choice(platform, _SUFFIXES, "platform")
     check_c_name(name)
     step = _STEP if sample_time is None else float(check_positive(sample_time, "sample_time", "s"))
     tables = tabulate(target)
@@ -137,38 +137,28 @@ def write_fmu(
 
 def variables(tables: BundleTables) -> list[FmuVariable]:
     """The numbers of an FMU, in the order of their references."""
-    units = range(1, len(tables.kinds) + 1)
+    units, new = range(1, len(tables.kinds) + 1), FmuVariable
     supply = _supply_pressure(tables)
-    inputs = [
-        FmuVariable(f"pressure_{i}", "Pa", True, f"gauge pressure of unit {i}") for i in units
-    ]
+    inputs = [new(f"pressure_{i}", "Pa", True, f"gauge pressure of unit {i}") for i in units]
     inputs += [
-        FmuVariable("strain", "1", True, "contraction over the plates' distance at rest"),
-        FmuVariable("demand", "N", True, "demanded force"),
-        FmuVariable("supply_pressure", "Pa", True, "gauge pressure of supply, measured", supply),
+        new("strain", "1", True, "contraction over the plates' distance at rest"),
+        new("demand", "N", True, "demanded force"),
+        new("supply_pressure", "Pa", True, "gauge pressure of supply, measured", supply),
     ]
-    outputs = [FmuVariable("force", "N", False, "force that pulls the plates together")]
-    outputs += [
-        FmuVariable(f"volume_{i}", "m3", False, f"volume of all muscles of unit {i}") for i in units
-    ]
-    outputs += [
-        FmuVariable(f"setpoint_{i}", "Pa", False, f"gauge pressure of unit {i} for the demand")
-        for i in units
-    ]
-    outputs.append(FmuVariable("reached_force", "N", False, "force at the setpoints"))
+    outputs = [new("force", "N", False, "force that pulls the plates together")]
+    volume, setpoint = "volume of all muscles of unit", "gauge pressure of unit"
+    outputs += [new(f"volume_{i}", "m3", False, f"{volume} {i}") for i in units]
+    outputs += [new(f"setpoint_{i}", "Pa", False, f"{setpoint} {i} for the demand") for i in units]
+    outputs.append(new("reached_force", "N", False, "force at the setpoints"))
     if tables.controller is not None:
-        inputs += [
-            FmuVariable("strain_rate", "1/s", True, "rate of strain, measured"),
-            FmuVariable("measured_force", "N", True, "force, measured"),
-        ]
-        outputs += [
-            FmuVariable(f"command_{i}", "1", False, f"command of unit {i}'s valve, -1 to 1")
-            for i in units
-        ]
+        inputs.append(new("strain_rate", "1/s", True, "rate of strain, measured"))
+        inputs.append(new("measured_force", "N", True, "force, measured"))
+        command = "command of unit {}'s valve, -1 to 1"
+        outputs += [new(f"command_{i}", "1", False, command.format(i)) for i in units]
     status = "0: reached, 1: above what is reachable, 2: below it, 3: no supply pressure"
     integers = [
-        FmuVariable("recruitment_state", None, False, "recruitment state of the setpoints, from 1"),
-        FmuVariable("demand_status", None, False, status),
+        new("recruitment_state", None, False, "recruitment state of the setpoints, from 1"),
+        new("demand_status", None, False, status),
     ]
     return inputs + outputs + integers
 
@@ -233,9 +223,7 @@ def _description(tables: BundleTables, name: str, guid: str, step: float) -> byt
 
 
 def _build_library(sources: dict[str, str], name: str, platform: str) -> bytes:
-    """The shared library of the C sources for a `platform`, by the first compiler that is
-    installed.
-    """
+    """Shared library of the C sources for a `platform`, by the first compiler that is there."""
     file = f"{name}.{_SUFFIXES[platform]}"
     compilers, package, target = _COMPILERS, "", ""
     if platform != _this_platform():
@@ -244,10 +232,10 @@ def _build_library(sources: dict[str, str], name: str, platform: str) -> bytes:
     compiler = next(filter(None, map(shutil.which, compilers)), None)
     if compiler is None:
         install = f"install {package}, or " if package else ""
+        there, known = "there " if target else "", ", ".join(compilers) or "none is known"
         raise UnbuiltUnitError(
-            f"no C compiler {target}here ({', '.join(compilers) or 'none is known'}): {install}"
-            f"compile its sources/*.c {'there ' if target else ''}into its"
-            f" binaries/{platform}/{file}"
+            f"no C compiler {target}here ({known}): {install}"
+            f"compile its sources/*.c {there}into its binaries/{platform}/{file}"
         )
     with tempfile.TemporaryDirectory() as folder:
         for source, text in sources.items():
@@ -261,15 +249,6 @@ def _build_library(sources: dict[str, str], name: str, platform: str) -> bytes:
             message = (result.stderr.splitlines() or ["no message"])[0]
             raise UnbuiltUnitError(f"{Path(compiler).name} could not build it: {message}")
         return library.read_bytes()
-
-
-def _platform(platform: str | None) -> str | None:
-    """Name of the `platform` in FMI 2.0, by default this machine's if it has one; any other is
-    refused.
-    """
-    if platform is None:
-        return _this_platform()
-    return check_choice(platform, _SUFFIXES, "platform")
 
 
 def _this_platform() -> str | None:

@@ -35,18 +35,10 @@ _START = 1 / 3, 0.1  # pressure at first, over the highest, but of a first of se
 def page_text(
     target: Muscle | Bundle, title: str = "Muscle", pressures: Sequence[float] = CURVES
 ) -> str:
-    """Text of the page of a muscle or bundle.
+    """HTML of the page of a muscle or bundle, `target`, which holds numbers, not arrays.
 
-    **Arguments:**
-
-    - `target`: the muscle or bundle, with numbers, not arrays.
-    - `title`: of the page.
-    - `pressures`: of the thin curves [Pa], at most twelve.
-
-    **Returns:** HTML.
-
-    **Raises:** `ValueError` for more units or muscles than can be told apart, and for pressures off
-    the domain.
+    `title`: of the page; `pressures`: of the thin curves [Pa], at most twelve. `ValueError` for
+    more units or muscles than can be told apart, and for pressures off the domain.
     """
     require("matplotlib")  # of its theme, which has the colors; jinja2 is of the same extra
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -56,19 +48,11 @@ def page_text(
 
     bundle = as_bundle(target)
     values = _page_values(bundle, title, pressures)
-    data = values.pop("data") | {
-        "theme": {"light": _theme(LIGHT), "dark": _theme(DARK)},
-        "font": SANS,
-    }
-    environment = Environment(
-        loader=FileSystemLoader(FOLDER),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    scripts = [(FOLDER / name).read_text(encoding="utf-8") for name in _SCRIPTS]
-    script = "\n".join(scripts)
+    theme = {"light": _theme(LIGHT), "dark": _theme(DARK)}
+    data = values.pop("data") | {"theme": theme, "font": SANS}
+    options = {"undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
+    environment = Environment(loader=FileSystemLoader(FOLDER), autoescape=True, **options)
+    script = "\n".join((FOLDER / name).read_text(encoding="utf-8") for name in _SCRIPTS)
     # "<" ends no script in JSON; the scripts are fascicle's own
     text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
     return environment.get_template("page.html").render(
@@ -87,16 +71,8 @@ def write_page(
     title: str = "Muscle",
     pressures: Sequence[float] = CURVES,
 ) -> Path:
-    """Write the page of a muscle or bundle to a file.
-
-    **Arguments:**
-
-    - `path`: of the file.
-    - `target`, `title`, `pressures` [Pa]: as for `page_text`.
-
-    **Returns:** the path.
-
-    **Raises:** as `page_text`; `OSError` where the file can't be written.
+    """Write the page of a muscle or bundle to the file `path`, which it returns; arguments and
+    errors are those of `page_text`, `pressures` in Pa.
     """
     path = Path(path)
     write_text(path, page_text(target, title, pressures))
@@ -117,9 +93,9 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
     highest = max(curves, default=0.0) or CURVES[-1] if supply is None else float(supply)
     tables = tabulate(bundle, highest_pressure=max(highest, *curves))
     largest = tables.strains[1]
-    is_bundle = count > 1
-    first = units[0].muscle
+    is_bundle, first = count > 1, units[0].muscle
     laws = f"{first.tension.name}, {first.buckling.name}"
+    start = [highest] * (len(units) > 1) + [float(f"{_START[0] * highest:.2g}")] * len(units)
     return {
         "title": title,
         "lead": f"{f'Bundle of {count} muscles' if is_bundle else 'Muscle'}; laws: {laws}.",
@@ -135,16 +111,13 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
         "data": {
             "title": title,
             "units": [
-                {"muscle": owner, "count": int(unit.count)}
-                for owner, unit in zip(tables.kinds, units, strict=True)
+                {"muscle": kind, "count": count}
+                for kind, count in zip(tables.kinds, tables.counts, strict=True)
             ],
             "tables": [_table_data(table) for table in tables.surfaces],
             "ratios": tables.ratios,
             "highest": highest,
-            "start": [
-                highest if i == 0 < len(units) - 1 else float(f"{_START[0] * highest:.2g}")
-                for i in range(len(units))
-            ],
+            "start": start[: len(units)],
             "strain": min(_START[1], largest),
             "curves": curves,
         },
@@ -176,11 +149,7 @@ def _theme(colors: Any) -> dict[str, Any]:
     """Colors by name for the page's scripts, which draw its figures, from these `colors`."""
     from ..plot.theme import VERMILION, mix
 
-    return {
-        **{
-            name: getattr(colors, name)
-            for name in ("ink", "soft", "edge", "line", "paper", "bad", "curves")
-        },
-        "mark": VERMILION,
-        "family": [mix(colors.curves[3], colors.good, i / 7) for i in range(8)],
-    }
+    names = ("ink", "soft", "edge", "line", "paper", "bad", "curves")
+    family = [mix(colors.curves[3], colors.good, i / 7) for i in range(8)]
+    theme = {name: getattr(colors, name) for name in names}
+    return theme | {"mark": VERMILION, "family": family}

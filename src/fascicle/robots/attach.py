@@ -4,7 +4,7 @@
 """
 
 import os
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -40,18 +40,14 @@ class Attached(NamedTuple):
         return self._replace(actuator=actuator, tendon=tendon)
 
     def actuator_in(self, model: Any) -> tuple[int, str]:
-        """Return the index of the actuator in a compiled MuJoCo `model`, and its tendon's name.
+        """Index of the actuator in a compiled MuJoCo `model`, and its tendon's name.
 
-        An actuator of a sub-model under a prefix or a suffix is found if it is the only one.
-
-        **Raises:** `InvalidInputError` if the model has no such actuator, or several.
+        An actuator of a sub-model under a prefix or a suffix is found if it is the only one;
+        `InvalidInputError` if the model has none, or several.
         """
         names = [model.actuator(i).name for i in range(model.nu)]
-        matches = (
-            [name for name in names if name == self.actuator]
-            or [name for name in names if name.endswith(self.actuator)]
-            or [name for name in names if self.actuator in name]
-        )
+        tests = (str.__eq__, str.endswith, str.__contains__)
+        matches = next(filter(None, ([x for x in names if t(x, self.actuator)] for t in tests)), [])
         if len(matches) == 1:
             index = names.index(matches[0])
             return index, model.tendon(int(model.actuator_trnid[index, 0])).name
@@ -71,7 +67,7 @@ def attach(
     bundle: Bundle | Muscle,
     rest_length: Values,
     name: str | None = None,
-    stiffness: Values | Iterable[Values] = None,
+    stiffness: Values | Sequence[Values] = None,
     slack: bool = False,
 ) -> Attached:
     """Put a bundle in line with a tendon.
@@ -99,25 +95,21 @@ def attach(
     a `name` that is taken, and a model without an actuator to replace.
     """
     check_model(spec, "spec", ("MjSpec", "MjModel"))
-    # MjSpec is younger than MjModel, which MuJoCo 2.3 has, too
-    compiled = isinstance(spec, mujoco.MjModel)
-    names = (
-        [spec.tendon(i).name for i in range(spec.ntendon)]
-        if compiled
-        else [entry.name for entry in spec.tendons]
-    )
-    check_choice(tendon, names, "tendon")
     if isinstance(bundle, Muscle):
         bundle = Bundle([MotorUnit(bundle)])
     if not isinstance(bundle, Bundle):
-        raise InvalidInputError(
-            "bundle", "must be a Bundle or a Muscle", bundle, shown=type(bundle).__name__
-        )
+        kind = type(bundle).__name__
+        raise InvalidInputError("bundle", "must be a Bundle or a Muscle", bundle, shown=kind)
     length = float(check_finite(rest_length, "rest_length", "m"))
-    compliance = _series_compliance(stiffness)
-    if compiled:
+    springs = stiffness if isinstance(stiffness, list | tuple | np.ndarray) else [stiffness]
+    compliance = 0.0
+    if stiffness is not None:
+        compliance = sum(1 / float(check_positive(k, "stiffness", "N/m")) for k in springs)
+    if isinstance(spec, mujoco.MjModel):
+        check_choice(tendon, [spec.tendon(i).name for i in range(spec.ntendon)], "tendon")
         name = _replace_actuator(spec, tendon)
     else:
+        check_choice(tendon, [entry.name for entry in spec.tendons], "tendon")
         name = f"{tendon}_bundle" if name is None else name
         if name in [actuator.name for actuator in spec.actuators]:
             rule = f"{name!r} is an actuator of the spec already"
@@ -140,15 +132,6 @@ def check_model(model: Any, argument: str, kinds: tuple[str, ...]) -> None:
     raise InvalidInputError(argument, rule, model, remedy, shown=type(model).__name__)
 
 
-def _series_compliance(stiffness: Any) -> float:
-    """Compliance [m/N] of springs in series, of one or several `stiffness` [N/m]."""
-    if stiffness is None:
-        return 0.0
-    single = isinstance(stiffness, str) or not isinstance(stiffness, Iterable)
-    values = [stiffness] if single else list(stiffness)
-    return sum(1 / float(check_positive(value, "stiffness", "N/m")) for value in values)
-
-
 def _add_actuator(spec: Any, tendon: str, name: str) -> None:
     """Add an actuator on a `tendon` to `spec`, whose control is a pull [N]."""
     actuator = spec.add_actuator(name=name, target=tendon, trntype=mujoco.mjtTrn.mjTRN_TENDON)
@@ -168,13 +151,10 @@ def _replace_actuator(model: Any, tendon: str) -> str:
     )
     indices = np.flatnonzero(on_tendon & (model.actuator_dyntype == mujoco.mjtDyn.mjDYN_NONE))
     if len(indices) != 1 or not model.actuator(int(indices[0])).name:
-        raise InvalidInputError(
-            "spec",
-            "must be an MjSpec, or an MjModel with one named `motor` on the tendon",
-            len(indices),
-            f'add <motor name="{tendon}_bundle" tendon="{tendon}"/> to the XML',
-            shown=f"{len(indices)} of them",
-        )
+        rule = "must be an MjSpec, or an MjModel with one named `motor` on the tendon"
+        remedy = f'add <motor name="{tendon}_bundle" tendon="{tendon}"/> to the XML'
+        count = len(indices)
+        raise InvalidInputError("spec", rule, count, remedy, shown=f"{count} of them")
     index = int(indices[0])
     model.actuator_gaintype[index] = mujoco.mjtGain.mjGAIN_FIXED
     model.actuator_biastype[index] = mujoco.mjtBias.mjBIAS_NONE
@@ -185,10 +165,7 @@ def _replace_actuator(model: Any, tendon: str) -> str:
 
 
 class Tendons(AbstractLoad):
-    """Load of bundles on tendons: MuJoCo, which moves the tendons.
-
-    `bundles`: their number.
-    """
+    """Load of so many `bundles` on tendons: MuJoCo, which has inertia, forces and dampers."""
 
     unit: ClassVar[str] = "m"
     prescribed: ClassVar[bool] = True
@@ -198,30 +175,25 @@ class Tendons(AbstractLoad):
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """(0 m, 1) for each bundle: the position is how far its tendon has shortened."""
+        """(0 m, 1) for each bundle: the position is how far its tendon has shortened [m]."""
         return ((0.0, 1.0),) * self.bundles
 
     @property
     def inertia(self) -> Batch:
-        """Placeholder [kg]: MuJoCo has the inertia."""
+        """Placeholder [kg]."""
         return np.float64(1.0)
 
     def force(self, position: Batch) -> Batch:
-        """Zero [N] at any `position` [m]: MuJoCo has the forces."""
+        """Zero [N] at any `position` [m]."""
         return 0.0 * position
 
     def potential(self, position: Batch) -> Batch:
-        """Zero [J] at any `position` [m]: MuJoCo has the potential."""
+        """Zero [J] at any `position` [m]."""
         return 0.0 * position
 
     @property
     def damper(self) -> Batch:
-        """Zero [SI]: MuJoCo has the dampers."""
-        return np.float64(0.0)
-
-    @property
-    def stiffness(self) -> Batch:
-        """Zero [N/m]: MuJoCo has the springs."""
+        """Zero [SI]."""
         return np.float64(0.0)
 
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:

@@ -34,8 +34,7 @@ _SLACK_SCALE = 1e-3  # m/N, of a slack cord's residual: any positive number has 
 class Series(Module):
     """Cords and brackets of bundles: their `compliance` [m/N], and whether they go `slack`.
 
-    `members`: a row for each bundle, with ones at its units. `rigid`: true where none stretches or
-    goes slack.
+    `members`: a row for each bundle, with ones at its units. `rigid`: none stretches or goes slack.
     """
 
     compliance: Numbers
@@ -55,15 +54,9 @@ class Series(Module):
         chambers: Numbers = None,
         start: Numbers = None,
     ) -> Numbers:
-        """Contraction of each bundle [m], the root of (J2).
-
-        **Arguments:**
-
-        - `plant`: with the muscles.
-        - `contraction`: of the tendons [m].
-        - `pressures`: of all units [Pa]; of closed chambers, those of the last step.
-        - `chambers`: states of closed chambers [SI]; left out, pressures are constant.
-        - `start`: of the search [m].
+        """Contraction of each bundle of a `plant` [m], the root of (J2), searched from `start` [m]
+        for a `contraction` of the tendons [m]; `pressures` [Pa]: of all units, constant without
+        states of closed `chambers` [SI], else those of the last step.
         """
         if self.rigid:
             return contraction

@@ -19,12 +19,12 @@ documentation, "Simulation", on `mj_step1` and `mj_step2`.
 
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 
-from ..bundle import Bundle
 from ..core.array_namespace import array_namespace, maximum, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static, to_numpy, with_fields
@@ -54,9 +54,6 @@ from .attach import Attached, Tendons, check_model
 from .compliance import NEWTON_STEPS, Series, bundle_strains
 from .optional_imports import mjx, mujoco
 from .tables import SoftEnds, TableWarning, status_message, table_status
-
-
-_MAX_LINES = 8  # bundles that a drive's text has room for
 
 
 class Fluid(NamedTuple):
@@ -122,38 +119,31 @@ class Drive(Module):
         `size` helps.
         """
         check_model(model, "model", ("MjModel",))
-        arguments = [value is not None for value in (supply, chamber, valve)]
-        if any(arguments) and not all(arguments):
-            name = ("supply", "chamber", "valve")[arguments.index(False)]
+        _check_integrator(model)
+        parts = {"supply": supply, "chamber": chamber, "valve": valve}
+        missing = [name for name, part in parts.items() if part is None]
+        if 0 < len(missing) < len(parts):
             remedy = "give supply, chamber and valve, or none of them"
-            raise InvalidInputError(name, "is missing", None, remedy)
+            raise InvalidInputError(missing[0], "is missing", None, remedy)
         if chamber is not None and not isinstance(chamber, AbstractMassChamber):
-            rule = "must be one whose state is its mass"
-            remedy = "take Isothermal or LiquidChamber"
-            raise InvalidInputError("chamber", rule, chamber, remedy, shown=type(chamber).__name__)
-        if isinstance(attached, Attached):
+            rule, kind = "must be one whose state is its mass", type(chamber).__name__
             raise InvalidInputError(
-                "attached", "must be a list", None, "write [attached]", shown=""
+                "chamber", rule, chamber, "take Isothermal or LiquidChamber", shown=kind
             )
-        if not attached:
-            raise InvalidInputError("attached", "must name at least one bundle", None, shown="none")
-        if not all(arguments):
+        if isinstance(attached, Attached) or not attached:
+            rule = "must be a list of at least one bundle"
+            raise InvalidInputError("attached", rule, None, "write [attached]")
+        bundles = [entry.bundle for entry in attached]
+        if supply is None or chamber is None or valve is None:
+            limit = HIGHEST_PRESSURE
             if highest_pressure is None:
-                supplies = [entry.bundle.supply_pressure for entry in attached]
+                supplies = [x.supply_pressure for x in bundles if x.supply_pressure is not None]
                 # the tables reach a fifth beyond the supply's pressure
-                top = max(
-                    (float(x) for x in supplies if x is not None), default=HIGHEST_PRESSURE / 1.2
-                )
+                top = max(map(float, supplies), default=limit / 1.2)
             else:
-                name, limit = "highest_pressure", HIGHEST_PRESSURE
-                top = float(check_interval(highest_pressure, 0.0, limit, name, "Pa"))
+                top = float(check_interval(highest_pressure, 0.0, limit, "highest_pressure", "Pa"))
             # a plant needs a valve; commands are pressures here, so none of its flow counts
             supply, chamber, valve = ConstantSupply(top), Isothermal(), SonicValve(1e-9, 0.3)
-        assert supply is not None
-        assert chamber is not None
-        assert valve is not None
-        _check_integrator(model)
-        bundles = [entry.bundle for entry in attached]
         load = Tendons(bundles=len(bundles))
         plant = Plant(bundles, load, supply, chamber, valve, exhaust_valve, spool, shape=shape)
         plant = with_fields(plant, muscles=SoftEnds.from_muscles(plant.muscles))
@@ -162,72 +152,44 @@ class Drive(Module):
             rule = f"must name each actuator once, got {', '.join(x.actuator for x in attached)}"
             raise InvalidInputError("attached", rule, None, "drop the second one", shown="")
         compliance = np.array([entry.compliance for entry in attached])
-        members = np.array([np.array(plant.sides) == i for i in range(len(bundles))], float)
+        members = np.eye(len(bundles))[:, list(plant.sides)]
         slack = tuple(entry.slack for entry in attached)
-        drive = cls(
-            plant,
-            np.array([entry.rest_length for entry in attached]),
-            Series(compliance, members, slack, not (any(slack) or compliance.any())),
-            tuple(indices),
-            tuple(names),
-            all(arguments),
-        )
+        series = Series(compliance, members, slack, not (any(slack) or compliance.any()))
+        rest_lengths = np.array([entry.rest_length for entry in attached])
+        drive = cls(plant, rest_lengths, series, tuple(indices), tuple(names), not missing)
         fluid = drive.start(model, data := mujoco.MjData(model))
         if not fluid.inside:
             side = plant.sides[int(np.flatnonzero(fluid.status)[0])]
-            length = data.actuator_length[indices[side]]
-            remedy = f"the tendon begins {length:.4g} m long, `rest_length` is"
+            length, rest_length = data.actuator_length[indices[side]], rest_lengths[side]
             remedy = (
-                f"{remedy} {drive.rest_lengths[side]:.4g} m: `fascicle.robots.size` chooses one"
+                f"the tendon begins {length:.4g} m long, `rest_length` is {rest_length:.4g} m:"
+                " `fascicle.robots.size` chooses one"
             )
             rule = f"begin outside of a table: the {drive._describe(fluid.status)}"
             raise InvalidInputError("attached", rule, None, remedy)
         return drive
 
     def __repr__(self) -> str:
-        """Tendons with their bundles, a line for each of the first, and the fluid's parts."""
-        plant = self.plant
-        shown = list(zip(self.tendons, plant.bundles, strict=True))
-        lines = [f"  {tendon}: {_bundle_text(bundle)}" for tendon, bundle in shown[:_MAX_LINES]]
-        if len(shown) > _MAX_LINES:
-            lines.append(f"  and {len(shown) - _MAX_LINES} more")
-        parts = (plant.supply, plant.chamber, plant.valve)
-        names = ", ".join(type(part).__name__ for part in parts)
-        fluid = f"valves and chambers ({names})" if self.valved else "commanded pressures"
-        return "\n".join(
-            [f"Drive of {len(shown)} bundles, {self.units} motor units, {fluid}", *lines]
-        )
+        """Tendons, the number of motor units, and what a command is."""
+        command = "valves" if self.valved else "pressures"
+        return f"<Drive of {', '.join(self.tendons)}: {self.units} motor units, {command}>"
 
     @property
     def units(self) -> int:
         """Number of motor units of all bundles."""
         return self.plant.units
 
-    def strains(self, lengths: Numbers) -> Numbers:
-        """Strain of each unit's muscles [-] at `lengths` of the bundles' tendons [m], where cords
-        neither stretch nor go slack.
-        """
-        return bundle_strains(self.plant, self.rest_lengths - lengths)
-
     def pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
-        """Pull of each bundle [N]; a `TableWarning` says where a muscle has left its table.
-
-        **Arguments:**
-
-        - `pressures`: of all units [Pa].
-        - `lengths`: of the bundles' tendons [m].
+        """Pull of each bundle [N] at `pressures` of all units [Pa] and `lengths` of the bundles'
+        tendons [m]; a `TableWarning` says where a muscle has left its table.
 
         **Raises:** `InvalidInputError` for pressures outside of the tables, and NaN.
         """
         return self._pull(*self._enter(pressures, lengths))
 
     def energy(self, pressures: Numbers, lengths: Numbers) -> Batch:
-        """Stored energy [J] of all bundles at constant pressures: the negative of their co-energy,
-        and the energy of stretched cords.
-
-        **Arguments:** those of `pull`.
-
-        **Raises:** as `pull`.
+        """Stored energy [J] of all bundles at constant pressures, the negative of their co-energy,
+        and of stretched cords; `pressures` [Pa], `lengths` [m] and errors are those of `pull`.
         """
         P, x = self._enter(pressures, lengths)
         coenergy = self.plant.muscles.at(P, bundle_strains(self.plant, x)).coenergy
@@ -235,16 +197,17 @@ class Drive(Module):
         add = array_namespace(coenergy).sum
         return add(cords, axis=-1) - add(self.plant.counts * coenergy, axis=-1)
 
+    def _check_pressures(self, pressures: Values, name: str, low: float = 0.0) -> Numbers:
+        """The `pressures` [Pa], refused off the muscles' tables and below the `low` end [Pa]."""
+        top = float(np.min(self.plant.muscles.highest_pressure))
+        return check_interval(pressures, low, top, name, "Pa", "of the table", (True, True))
+
     def _enter(self, pressures: Values, lengths: Values) -> tuple[Numbers, Numbers]:
         """Checked `pressures` [Pa], and contractions of the bundles [m] at `lengths` of tendons."""
-        plant, why, closed = self.plant, "of the table", (True, True)
-        top = float(np.min(plant.muscles.highest_pressure))
-        low = float(np.min(plant.chamber.lowest_pressure))
-        checked = check_interval(pressures, low, top, "pressures", "Pa", why, closed)
-        P = match_array_type(pressures, checked)
+        plant, low = self.plant, float(np.min(self.plant.chamber.lowest_pressure))
+        P = match_array_type(pressures, self._check_pressures(pressures, "pressures", low))
         lengths = match_array_type(lengths, check_finite(lengths, "lengths", "m"))
-        contraction = self.rest_lengths - lengths
-        x = self.series.contractions(plant, contraction, P)
+        x = self.series.contractions(plant, self.rest_lengths - lengths, P)
         if is_concrete(P, x):
             self._warn(table_status(plant.muscles, P, bundle_strains(plant, x)), 4)
         return P, x
@@ -257,7 +220,7 @@ class Drive(Module):
         return where(np.array(self.series.slack), maximum(pull, 0.0), pull)
 
     def _warn(self, status: Any, level: int) -> None:
-        """Warn of units that have left their tables, at the caller's line, `level` frames up."""
+        """Warn of units outside of their tables, at the caller's line, `level` frames up."""
         if np.any(status):
             # the words are the same each time, so that Python shows them once for a line of code
             text = f"The {self._describe(status)}. This is shown once."
@@ -269,19 +232,11 @@ class Drive(Module):
         return status_message(self.plant.muscles, status, names)
 
     def start(self, model: Any, data: Any, pressures: Values = 0.0) -> Fluid:
-        """Initial fluid [SI].
-
-        **Arguments:**
-
-        - `model`, `data`: MuJoCo's.
-        - `pressures`: of all units, or of each [Pa].
-
-        **Raises:** `InvalidInputError` for pressures above the muscles' tables.
+        """Initial fluid [SI], of MuJoCo's `model` and `data`, at `pressures` [Pa] of all units, or
+        of each; `InvalidInputError` for pressures above the muscles' tables.
         """
         mujoco.mj_forward(model, data)
-        top = float(np.min(self.plant.muscles.highest_pressure))
-        closed = (True, True)
-        P = check_interval(pressures, 0.0, top, "pressures", "Pa", "of the table", closed) + 0.0
+        P = self._check_pressures(pressures, "pressures")
         return self.fluid_at(data.actuator_length, np.broadcast_to(P, (self.units,)) + 0.0)
 
     def fluid_at(self, actuator_lengths: Numbers, pressures: Numbers) -> Fluid:
@@ -315,24 +270,22 @@ class Drive(Module):
 
         **Raises:** `InvalidInputError` for a command that is none, and a simulation that diverges.
         """
-        count, indices = self.units, list(self.actuators)
-        if self.valved:
-            values = np.asarray(validate_commands(command), float)
-        else:
-            top, closed = float(np.min(self.plant.muscles.highest_pressure)), (True, True)
-            checked = check_interval(command, 0.0, top, "command", "Pa", "of the table", closed)
-            values = np.asarray(checked)
-        if values.shape not in {(), (count,)}:
-            raise InvalidInputError("command", f"must be one for each of the {count}", values.size)
-        command = np.broadcast_to(values, (count,))
+        check = validate_commands if self.valved else partial(self._check_pressures, name="command")
+        values = np.asarray(check(command), float)
+        if values.shape not in {(), (self.units,)}:
+            rule = f"must be one for each of the {self.units}"
+            raise InvalidInputError("command", rule, values.size)
         if act is None:
             act, fluid = self.act, to_numpy(fluid)  # which may come from compiled steps
         _check_integrator(model)
         mujoco.mj_step1(model, data)
-        lengths = data.actuator_length[indices]
-        _check_lengths(lengths)
+        lengths = data.actuator_length[list(self.actuators)]
+        if not np.all(np.isfinite(lengths)):
+            remedy = "the simulation has diverged: take a shorter timestep, or more damping"
+            raise InvalidInputError("data", "must have finite tendon lengths", None, remedy)
+        command = np.broadcast_to(values, (self.units,))
         after, pull = act(fluid, lengths, command, model.opt.timestep)
-        data.ctrl[indices] = pull
+        data.ctrl[list(self.actuators)] = pull
         mujoco.mj_step2(model, data)
         self._warn(after.status, 3)
         return after
@@ -340,14 +293,8 @@ class Drive(Module):
     def act(
         self, fluid: Fluid, lengths: Numbers, command: Numbers, dt: Batch
     ) -> tuple[Fluid, Numbers]:
-        """One step of the bundles.
-
-        **Arguments:**
-
-        - `fluid`: before the step [SI].
-        - `lengths`: of the bundles' tendons, of this step [m].
-        - `command`: of the valves [-]; without valves, pressures [Pa].
-        - `dt`: the step [s].
+        """One step `dt` [s] of the bundles from their `fluid` [SI], with `lengths` of their tendons
+        *in* the step [m], by a `command` of the valves [-] or, without valves, pressures [Pa].
 
         **Returns:** the fluid after the step [SI], and each bundle's pull in the step [N].
         """
@@ -389,33 +336,24 @@ class Drive(Module):
 
         **Returns:** data and fluid after the step [SI].
         """
-        import jax
-
         engine, indices = mjx(), np.array(self.actuators)
         lengths = engine.fwd_position(model, data).actuator_length[indices]
         fluid, pull = self.act(fluid, lengths, command, model.opt.timestep)
         after = engine.step(model, data.replace(ctrl=data.ctrl.at[indices].set(pull)))
-        # with 64 bits some whole numbers come back wider than before, which no loop accepts
-        return jax.tree.map(lambda x, before: jnp.asarray(x, before.dtype), after, data), fluid
+        return with_types(after, data), fluid
 
 
-def _bundle_text(bundle: Bundle) -> str:
-    """Numbers and lengths of a bundle's muscles."""
-    units = (f"{u.count} × {1e3 * float(u.muscle.length):.4g} mm" for u in bundle.motor_units)
-    return " + ".join(units)
+def with_types(after: Any, before: Any) -> Any:
+    """Data `after` a function of MJX with the types of those `before`: with 64 bits some whole
+    numbers come back wider, which no loop accepts.
+    """
+    import jax
+
+    return jax.tree.map(lambda x, y: jnp.asarray(x, y.dtype), after, before)
 
 
 def _check_integrator(model: Any) -> None:
-    """Refuse a `model` that is stepped by Runge-Kutta: a pull that is constant through its stages
-    creates energy.
-    """
+    """Refuse a `model` stepped by Runge-Kutta: a pull constant through its stages makes energy."""
     if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
         remedy = "take Euler or implicitfast"
         raise InvalidInputError("model.opt.integrator", "must not be RK4", "RK4", remedy, shown="")
-
-
-def _check_lengths(lengths: Numbers) -> None:
-    """Refuse `lengths` of tendons [m] that aren't finite."""
-    if not np.all(np.isfinite(lengths)):
-        remedy = "the simulation has diverged: take a shorter timestep, or more damping"
-        raise InvalidInputError("data", "must have finite tendon lengths", None, remedy)

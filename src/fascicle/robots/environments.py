@@ -16,6 +16,7 @@ import importlib
 import os
 import sys
 import warnings
+from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import gymnasium
@@ -39,31 +40,24 @@ SUPPLY = 413.7e3  # Pa
 START = 0.3 * SUPPLY  # Pa, of all units when an episode begins
 FRAMES = 10  # MuJoCo's steps of 1 ms in one of the environment
 _STEP = 0.01  # s, of the environment
+_OPENING = 4.0  # of the baseline's valve for a pressure error of half the supply
 _SCENE = """<visual><headlight ambient="0.5 0.5 0.5"/></visual><asset>
 <texture type="skybox" builtin="flat" rgb1="1 1 1" width="8" height="48"/></asset><worldbody>
 <light pos="0.5 -1 1" dir="-0.4 0.8 -0.8"/>
 <camera name="side" pos="0 -0.9 {z}" xyaxes="1 0 0 0 0 1"/>
 """
 # a pendulum with two tendons, and a mass on one
-_JOINT = (
-    """<mujoco><compiler angle="radian"/>
-<option timestep="0.001"><flag contact="disable"/></option>"""
-    + _SCENE.format(z=-0.15)
-    + """
+_JOINT = f"""<mujoco><compiler angle="radian"/>
+<option timestep="0.001"><flag contact="disable"/></option>{_SCENE.format(z=-0.15)}
 <body><joint name="moved" type="hinge" axis="0 -1 0" range="-1.2 1.2" limited="true"
  damping="0.05"/><geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02" mass="0.5"/></body>
 </worldbody><tendon><fixed name="flexor"><joint joint="moved" coef="-0.02"/></fixed>
 <fixed name="extensor"><joint joint="moved" coef="0.02"/></fixed></tendon></mujoco>"""
-)
-_MASS = (
-    """<mujoco>
-<option timestep="0.001"><flag contact="disable"/></option>"""
-    + _SCENE.format(z=0.02)
-    + """
+_MASS = f"""<mujoco>
+<option timestep="0.001"><flag contact="disable"/></option>{_SCENE.format(z=0.02)}
 <body><joint name="moved" type="slide" axis="0 0 1" range="-0.008 0.04" limited="true"
  damping="20"/><geom size="0.05" mass="5"/></body></worldbody>
 <tendon><fixed name="cord"><joint joint="moved" coef="-1"/></fixed></tendon></mujoco>"""
-)
 
 
 class EnvironmentTask(NamedTuple):
@@ -81,46 +75,27 @@ class EnvironmentTask(NamedTuple):
     low: float
     high: float
 
-
-class Plan(NamedTuple):
-    """A task's compiled `model` with its `drive`."""
-
-    model: Any
-    drive: Drive
-
-    @classmethod
-    def of(cls, task: EnvironmentTask) -> "Plan":
-        """Compile a `task`."""
-        spec = mujoco.MjSpec.from_string(task.model)
+    def compile(self) -> tuple[Any, Drive]:
+        """MuJoCo's model, and its drive."""
+        spec = mujoco.MjSpec.from_string(self.model)
         muscle = Muscle(0.127, 6.35e-3, 1.6e-3, np.deg2rad(33.0), "silicone_kim2021")
-        bundle = Bundle([MotorUnit(muscle, count) for count in task.counts], SUPPLY)
-        attached = [attach(spec, tendon.name, bundle, task.contraction) for tendon in spec.tendons]
+        bundle = Bundle([MotorUnit(muscle, count) for count in self.counts], SUPPLY)
+        attached = [attach(spec, tendon.name, bundle, self.contraction) for tendon in spec.tendons]
         model = spec.compile()
         parts = ConstantSupply(SUPPLY), Isothermal(dead_volume=2e-6), SonicValve(5e-10, 0.3)
-        return cls(model, Drive.of(model, attached, *parts, shape=(65, 81)))
+        return model, Drive.of(model, attached, *parts, shape=(65, 81))
 
-    @property
-    def spaces(self) -> tuple[Box, Box]:
-        """Spaces of observations and actions."""
-        units = self.drive.units
-        return Box(-1.0, 1.0, (3 + units,), np.float32), Box(-1.0, 1.0, (units,), np.float32)
+    def observation(self, position: Any, speed: Any, target: Any, pressures: Any) -> Any:
+        """`position`, `speed`, `target` [SI] and units' `pressures` [Pa], scaled to [-1, 1]."""
+        xp = array_namespace(position, pressures)
+        ways = [(x - self.middle) / self.reach for x in (position, target)]
+        scalars = xp.stack([ways[0], speed / self.speed, ways[1]])
+        return xp.clip(xp.concatenate([scalars, 2 * pressures / SUPPLY - 1]), -1.0, 1.0)
 
 
-def scale_observation(
-    task: EnvironmentTask, position: Any, speed: Any, target: Any, pressures: Any
-) -> Any:
-    """Observation of a `task` [-]: `position`, `speed`, `target` [SI] and units' `pressures` [Pa],
-    each scaled to [-1, 1].
-    """
-    xp = array_namespace(position, pressures)
-    scalars = xp.stack(
-        [
-            (position - task.middle) / task.reach,
-            speed / task.speed,
-            (target - task.middle) / task.reach,
-        ]
-    )
-    return xp.clip(xp.concatenate([scalars, 2 * pressures / SUPPLY - 1]), -1.0, 1.0)
+def box(low: float, high: float, count: int) -> Box:
+    """Space of so many numbers from `low` to `high` [-]."""
+    return Box(low, high, (count,), np.float32)
 
 
 def check_action(action: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -151,8 +126,9 @@ class Environment(gymnasium.Env):
         if render_mode is not None:
             check_choice(render_mode, self.metadata["render_modes"], "render_mode")
         self.render_mode = render_mode
-        self.model, self.drive = plan = Plan.of(self.task)
-        self.observation_space, self.action_space = plan.spaces
+        self.model, self.drive = self.task.compile()
+        self.observation_space = box(-1.0, 1.0, 3 + self.drive.units)
+        self.action_space = box(-1.0, 1.0, self.drive.units)
         self.data = mujoco.MjData(self.model)
         self.target = self.task.middle
         self.fluid = self.drive.start(self.model, self.data)
@@ -175,9 +151,8 @@ class Environment(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start an episode: `seed` of the target; `options` don't count.
-
-        **Returns:** the observation, and what is measured [SI].
+        """Start an episode: `seed` of the target; `options` don't count. Returns the observation,
+        and what is measured [SI].
         """
         super().reset(seed=seed)
         del options
@@ -187,12 +162,10 @@ class Environment(gymnasium.Env):
         return self._results()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """One step of 10 ms with valves open by an `action` [-].
+        """One step of 10 ms with valves open by an `action` [-], which must be finite.
 
         **Returns:** observation, reward, true if a muscle left its table, which ends the episode,
         false for a time limit, which is a wrapper's, and what is measured [SI].
-
-        **Raises:** `InvalidInputError` for an action that isn't finite.
         """
         command = check_action(action, self.action_space.shape or ())
         for _ in range(FRAMES):
@@ -208,14 +181,9 @@ class Environment(gymnasium.Env):
         fluid, pressures = self.fluid, np.asarray(self.fluid.pressures)
         position, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
         forces = -self.data.actuator_force[list(self.drive.actuators)]
-        info = {
-            "position": position,
-            "target": self.target,
-            "pressures": pressures,
-            "forces": forces,
-            "air": float(fluid.consumption),
-        }
-        row = scale_observation(self.task, np.float64(position), speed, self.target, pressures)
+        info = {"position": position, "target": self.target, "pressures": pressures}
+        info |= {"forces": forces, "air": float(fluid.consumption)}
+        row = self.task.observation(np.float64(position), speed, self.target, pressures)
         return row.astype(np.float32), info
 
     def render(self) -> Any:
@@ -281,28 +249,19 @@ class HangingMass(Environment):
     task = EnvironmentTask(_MASS, 0.0, (1, 4), 0.016, 0.024, 0.5, 0.005, 0.025)
 
 
+@dataclass
 class Proportional:
     """Baseline policy: a PI controller of the position with damping sets pressures for the valves.
 
     `proportional`, `integral` [1/s] and `damping`: of the scaled error and speed, to pressures in
-    halves of the supply's about a `bias` [-]; `signs`: of each unit [-]; `valve`: opening for a
-    pressure error of half the supply [-].
+    halves of the supply's; `signs`: of each unit [-]; `total`: the integral [-].
     """
 
-    def __init__(
-        self,
-        proportional: float,
-        integral: float,
-        damping: float,
-        signs: tuple[float, ...],
-        bias: float = 0.0,
-        valve: float = 4.0,
-    ):
-        """Arguments are described by the class."""
-        self.gains = proportional, integral, damping
-        self.signs = np.array(signs)
-        self.bias, self.valve = bias, valve
-        self.total = 0.0
+    proportional: float
+    integral: float
+    damping: float
+    signs: tuple[float, ...]
+    total: float = 0.0
 
     def begin(self) -> None:
         """Reset the integral."""
@@ -310,13 +269,12 @@ class Proportional:
 
     def __call__(self, observation: np.ndarray) -> np.ndarray:
         """Action for an `observation` [-]; the integral stops while its target is out of range."""
-        k_p, k_i, k_d = self.gains
-        error = float(observation[2] - observation[0])
-        target = k_p * error + self.total - k_d * float(observation[1])
+        error, speed = float(observation[2] - observation[0]), float(observation[1])
+        target = self.proportional * error + self.total - self.damping * speed
         if abs(target) < 1.0:
-            self.total += k_i * _STEP * error
-        pressures = np.clip(self.bias + self.signs * target, -1.0, 1.0)
-        return np.clip(self.valve * (pressures - observation[3:]), -1.0, 1.0).astype(np.float32)
+            self.total += self.integral * _STEP * error
+        pressures = np.clip(np.array(self.signs) * target, -1.0, 1.0)
+        return np.clip(_OPENING * (pressures - observation[3:]), -1.0, 1.0).astype(np.float32)
 
 
 BASELINES = {  # tuned by hand: what a learned policy should beat

@@ -49,18 +49,15 @@ def trace_route(
 ) -> Route:
     """Trace a `tendon` of MuJoCo's compiled `model` over `points` of each joint that moves it.
 
-    **Arguments:** those of `size`.
-
-    **Raises:** `InvalidInputError` for unknown names, and a joint without a range.
+    Arguments are those of `size`; `InvalidInputError` for unknown names, and a joint without range.
     """
     names = [model.tendon(i).name for i in range(model.ntendon)]
     index = names.index(check_choice(tendon, names, "tendon"))
     data = mujoco.MjData(model)
-    data.qpos[:] = model.qpos0
-    rest_position = data.qpos.copy()
 
-    def length(q: np.ndarray) -> float:
-        data.qpos[:] = q
+    def length(addresses: Any, coordinates: Any) -> float:
+        data.qpos[:] = model.qpos0
+        data.qpos[addresses] = coordinates
         mujoco.mj_fwdPosition(model, data)
         return float(data.ten_length[index])
 
@@ -68,7 +65,7 @@ def trace_route(
     single = [i for i in range(model.njnt) if int(model.jnt_type[i]) in kinds]
     adr = {model.joint(i).name: int(model.jnt_qposadr[i]) for i in single}
     limits = {model.joint(i).name: _joint_limits(model, i, ranges) for i in single}
-    moving_joints = [name for name in adr if _moves(length, rest_position, adr[name], limits[name])]
+    moving_joints = [name for name in adr if _moves(length, adr[name], limits[name])]
     if not moving_joints:
         rule = f"{tendon!r} isn't moved by any hinge or slide joint"
         raise InvalidInputError("tendon", rule, tendon, shown="")
@@ -84,12 +81,12 @@ def trace_route(
     grids = [np.linspace(*(limits[name] or (0.0, 0.0)), points) for name in moving_joints]
     poses = np.array(list(itertools.product(*grids)))
     lengths, arms = np.empty(len(poses)), np.empty(len(poses))
-    step = np.eye(model.nq)[adr[about]] * _STEP
+    addresses = [adr[name] for name in moving_joints]
+    step = _STEP * (np.array(moving_joints) == about)
     for row, pose in enumerate(poses):
-        q = rest_position.copy()
-        q[[adr[name] for name in moving_joints]] = pose
-        lengths[row] = length(q)
-        arms[row] = -(length(q + step) - length(q - step)) / (2 * _STEP)
+        lengths[row] = length(addresses, pose)
+        arms[row] = length(addresses, pose - step) - length(addresses, pose + step)
+    arms /= 2 * _STEP
     hinge = int(model.joint(about).type[0]) == kinds[0]
     fixed = int(model.wrap_type[model.tendon_adr[index]]) == int(mujoco.mjtWrap.mjWRAP_JOINT)
     return Route(tuple(moving_joints), about, poses, lengths, arms, hinge, not fixed)
@@ -111,12 +108,9 @@ def _joint_limits(
     return float(low), float(high)
 
 
-def _moves(length: Any, rest_position: np.ndarray, address: int, limits: Any) -> bool:
+def _moves(length: Any, address: int, limits: Any) -> bool:
     """True if a joint moves the tendon somewhere in its range."""
     low, high = limits or (-0.5, 0.5)
-    lengths = []
-    for value in np.linspace(low, high, 7):  # a wrapped tendon may leave a joint here and there
-        q = rest_position.copy()
-        q[address] = value
-        lengths.append(length(q))
+    # a wrapped tendon may leave a joint here and there
+    lengths = [length(address, value) for value in np.linspace(low, high, 7)]
     return float(np.ptp(lengths)) > _MOVES * (high - low)

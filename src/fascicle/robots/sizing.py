@@ -12,6 +12,7 @@ other lengths.
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -65,13 +66,9 @@ def _sizing_table(sizing: "Sizing") -> ReprTable:
         ("contraction", f"{100 * low:.1f} to {100 * high:.1f} %"),
         ("moment arm", f"{arms.min():.1f} to {arms.max():.1f} mm about {route.torque_joint}"),
     ]
+    texts = "{0.count} × {0.name}", "{1:.0f}", "{2:.0f}", "{3:.2f}"
     rows = [
-        (
-            f"{c.count} × {c.name}",
-            f"{1e3 * c.length:.0f}",
-            f"{100 * c.margin:.0f}",
-            f"{1e3 * c.fluid:.2f}",
-        )
+        [text.format(c, 1e3 * c.length, 100 * c.margin, 1e3 * c.fluid) for text in texts]
         for c in sizing.candidates
     ]
     heads = ("muscle", "length [mm]", "margin [%]", "fluid [L]")
@@ -167,30 +164,50 @@ def size(
     if hasattr(model, "compile"):
         model = model.compile()
     P = float(check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa"))
-    stretch_ratio = float(check_interval(stretch, 0.0, 0.1, "stretch", "-", closed=(True, True)))
+    stretch = float(check_interval(stretch, 0.0, 0.1, "stretch", "-", closed=(True, True)))
     route = trace_route(model, tendon, joint, ranges, int(points))
     demand = _demand(route, torque)
-    needed = _needed_pull(route, demand, tendon)
-    stroke = float(np.ptp(route.lengths))
-    if longest is None:
-        room = _LONGEST * stroke
-        if route.spatial:  # at rest the muscle is no longer than the tendon
-            room = min(room, float(route.lengths.max()) / (1 + stretch_ratio))
-    else:
+    pull = _needed_pull(route, demand, tendon)
+    active = pull > 0
+    stroke, end = float(np.ptp(route.lengths)), float(route.lengths.max())
+    if longest is not None:
         room = float(check_positive(longest, "longest", "m"))
-    named = _named(muscles)
+    else:  # at rest the muscle is no longer than a spatial tendon
+        room = min(_LONGEST * stroke, end / (1 + stretch) if route.spatial else np.inf)
+
+    def trial(name: str, muscle: Muscle, count: int, length: float) -> SizeTrial:
+        sized, rest_length = muscle.replace(length=length), end - stretch * length
+        fluid = count * float(sized.volume(0.0))
+        trial = SizeTrial(name, sized, count, length, rest_length, 0.0, fluid)
+        ratios = trial.pull(P, route.lengths[active]) / pull[active]
+        return replace(trial, margin=float(np.min(ratios)) - 1.0)
+
+    def shortest(name: str, muscle: Muscle, count: int) -> SizeTrial:
+        """The shortest one that has the margin, or else the longest."""
+        best, low = trial(name, muscle, count, room), 0.0
+        if best.margin < margin:
+            return best
+        for _ in range(_HALVINGS):
+            middle = (low + best.length) / 2
+            try:
+                tried = trial(name, muscle, count, middle)
+            except InvalidInputError:  # too short for its radius, or its contraction
+                low = middle
+                continue
+            low, best = (low, tried) if tried.margin >= margin else (middle, best)
+        return best
+
+    named, trials = _named(muscles), []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of each length that is tried
-        tried = [
-            candidate
-            for name, entry in named.items()
-            for candidate in _shortest_muscles(
-                name, _muscle_of(entry), route, needed, P, counts, margin, stretch_ratio, room
-            )
-        ]
-    good = sorted((c for c in tried if c.margin >= margin), key=lambda c: c.fluid)
+        for name, entry in named.items():
+            with suppress(InvalidInputError):  # its law refuses even the longest one
+                trials += [shortest(name, _muscle_of(entry), count) for count in counts]
+    good = sorted((x for x in trials if x.margin >= margin), key=lambda x: x.fluid)
     if not good:
-        _refuse(tried, tendon, stroke, room, margin, P)
+        room_text = f"{1e3 * stroke:.0f} mm in {1e3 * room:.0f} mm of room"
+        rule = f"have none for {tendon!r} and its stroke of {room_text}"
+        raise InvalidInputError("muscles", rule, None, _remedy(trials, margin, P))
     sizing = Sizing(tendon, route, demand, P, tuple(good))
     sizing.chosen.muscle.replace()  # warns if its law was fitted at another length
     entry = named[sizing.chosen.name]
@@ -204,15 +221,13 @@ def _named(muscles: Any) -> dict[str, Any]:
     if isinstance(muscles, Muscle):
         return {"muscle": muscles}
     try:
-        if isinstance(muscles, Mapping):
-            named = dict(muscles)
-        else:
-            entries = [muscles] if isinstance(muscles, str) else muscles
-            named = dict((x, catalog[x]) if isinstance(x, str) else x for x in entries)
+        entries = [muscles] if isinstance(muscles, str) else muscles
+        entries = muscles.items() if isinstance(muscles, Mapping) else entries
+        named = dict((x, catalog[x]) if isinstance(x, str) else x for x in entries)
         _ = [_muscle_of(entry).length for entry in named.values()]
-    except (TypeError, ValueError, AttributeError) as error:
-        if isinstance(error, InvalidInputError):
-            raise
+    except InvalidInputError:
+        raise
+    except (TypeError, ValueError, AttributeError):
         rule = "must be a muscle, names, or pairs of a name and a muscle"
         kind = type(muscles).__name__
         raise InvalidInputError("muscles", rule, None, shown=kind) from None
@@ -242,8 +257,7 @@ def _needed_pull(route: Route, demand: np.ndarray, tendon: str) -> np.ndarray:
     """Pull that gives the `demand` in each pose [N]; refused where the tendon turns the joint the
     other way.
     """
-    wrong = demand * route.moment_arms <= 0
-    wrong &= demand != 0
+    wrong = (demand * route.moment_arms <= 0) & (demand != 0)
     if wrong.any():
         i = int(np.argmax(np.where(wrong, np.abs(demand), 0.0)))
         arm, unit = 1e3 * route.moment_arms[i], "N·m" if route.hinge else "N"
@@ -256,70 +270,17 @@ def _needed_pull(route: Route, demand: np.ndarray, tendon: str) -> np.ndarray:
     return np.divide(demand, route.moment_arms, out=np.zeros_like(demand), where=demand != 0)
 
 
-def _shortest_muscles(
-    name: str,
-    muscle: Muscle,
-    route: Route,
-    needed: np.ndarray,
-    pressure: float,
-    counts: Sequence[int],
-    margin: float,
-    stretch: float,
-    room: float,
-) -> list[SizeTrial]:
-    """For each of the `counts` the shortest muscle that has the margin, or else the longest; those
-    that the law refuses are left out.
-    """
-    active = needed > 0
-
-    def candidate(length: float, count: int) -> SizeTrial:
-        sized = muscle.replace(length=length)
-        rest_length = float(route.lengths.max()) - stretch * length
-        candidate = SizeTrial(
-            name, sized, count, length, rest_length, 0.0, count * float(sized.volume(0.0))
-        )
-        pull = candidate.pull(pressure, route.lengths[active])
-        return replace(candidate, margin=float(np.min(pull / needed[active])) - 1.0)
-
-    def shortest(count: int) -> SizeTrial:
-        best, low = candidate(room, count), 0.0
-        if best.margin < margin:
-            return best
-        for _ in range(_HALVINGS):
-            middle = (low + best.length) / 2
-            try:
-                tried = candidate(middle, count)
-            except InvalidInputError:  # too short for its radius, or its contraction
-                low = middle
-                continue
-            low, best = (low, tried) if tried.margin >= margin else (middle, best)
-        return best
-
-    try:
-        return [shortest(count) for count in counts]
-    except InvalidInputError:  # even the longest one
-        return []
-
-
-def _refuse(
-    tried: list[SizeTrial], tendon: str, stroke: float, room: float, margin: float, pressure: float
-) -> None:
-    """Refuse with what would help."""
-    rule = (
-        f"have none for {tendon!r} and its stroke of {1e3 * stroke:.0f} mm in {1e3 * room:.0f} mm"
-        " of room"
-    )
-    best = max(tried, key=lambda c: c.margin, default=None)
+def _remedy(trials: list[SizeTrial], margin: float, pressure: float) -> str:
+    """What would help where no trial has the margin."""
+    best = max(trials, key=lambda x: x.margin, default=None)
     if best is None or best.margin <= -1.0:
-        remedy = (
+        return (
             "they contract past their free strain: give more room (`longest`), a smaller moment"
             " arm, which shortens the stroke, or let them be stretched (`stretch`)"
         )
-    else:
-        min_count = math.ceil(best.count * (1 + margin) / (1 + best.margin))
-        remedy = (
-            f"the best, {best.count} × {best.name}, has a margin of {100 * best.margin:.0f} %"
-            f" where {100 * margin:.0f} % is asked for: take {min_count} in parallel (`counts`),"
-            f" thicker ones, more than {pressure / 1e3:g} kPa, or more room (`longest`)"
-        )
-    raise InvalidInputError("muscles", rule, None, remedy)
+    min_count = math.ceil(best.count * (1 + margin) / (1 + best.margin))
+    return (
+        f"the best, {best.count} × {best.name}, has a margin of {100 * best.margin:.0f} %"
+        f" where {100 * margin:.0f} % is asked for: take {min_count} in parallel (`counts`),"
+        f" thicker ones, more than {pressure / 1e3:g} kPa, or more room (`longest`)"
+    )

@@ -20,25 +20,20 @@ class TableWarning(UserWarning):
 
 
 class TableStatus(enum.IntEnum):
-    """Place of a muscle in its table, with a `message`."""
+    """Place of a muscle in its table."""
 
     INSIDE = 0
     STRETCHED = 1
     SHORTENED = 2
     PRESSURE = 3
 
-    @property
-    def message(self) -> str:
-        """Meaning of the status, in words."""
-        return _MESSAGES[self]
 
-
-_MESSAGES = {
-    TableStatus.INSIDE: "lies in its table",
-    TableStatus.STRETCHED: "is stretched past its table: the force of a spring, too low",
-    TableStatus.SHORTENED: "is shortened past its table: the force is held",
-    TableStatus.PRESSURE: "has a pressure above its table: the force goes on linearly",
-}
+_MESSAGES = (
+    "lies in its table",
+    "is stretched past its table: the force of a spring, too low",
+    "is shortened past its table: the force is held",
+    "has a pressure above its table: the force goes on linearly",
+)
 
 
 class SoftEnds(MuscleWrapper):
@@ -55,13 +50,10 @@ class SoftEnds(MuscleWrapper):
         return cls(muscles, np.max(np.maximum(-slopes, 0.0), axis=0))
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
-        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
-        [Pa] and `strain` [-].
-        """
-        low, K = self.muscles.strains[0], self.edge_stiffness
+        """State of one muscle of each unit at its `pressure` [Pa] and `strain` [-]."""
+        low, K, L0 = self.muscles.strains[0], self.edge_stiffness, self.rest_length
         edge = self.muscles.at(pressure, maximum(strain, low))
         past = minimum(strain - low, 0.0)
-        L0 = self.rest_length
         return edge._replace(
             coenergy=edge.coenergy + L0 * (edge.force - K * past / 2) * past,
             force=edge.force - K * past,
@@ -94,4 +86,4 @@ def status_message(muscles: AbstractMuscles, status: Any, tendons: list[str]) ->
     low, high = (float(np.asarray(end)[unit]) for end in muscles.strains)
     top = float(np.asarray(muscles.highest_pressure)[unit]) / 1e3
     table = f"strains {low:.3f} to {high:.3f}, up to {top:.0f} kPa"
-    return f"muscle on {tendons[unit]!r} {TableStatus(status[row, unit]).message} ({table})"
+    return f"muscle on {tendons[unit]!r} {_MESSAGES[status[row, unit]]} ({table})"

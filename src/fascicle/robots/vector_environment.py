@@ -6,6 +6,7 @@ end the next step resets, whatever its action, as Gymnasium's own vector environ
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
 import jax
@@ -19,16 +20,15 @@ from gymnasium.vector.utils import batch_space
 from ..core.errors import InvalidInputError
 from ..core.types import Values
 from ..core.validation import check_interval, check_whole_number
-from .drive import Drive, Fluid
+from .drive import Drive, Fluid, with_types
 from .environments import (
     FRAMES,
     START,
     AntagonisticJoint,
     Environment,
     HangingMass,
-    Plan,
+    box,
     check_action,
-    scale_observation,
 )
 from .optional_imports import mjx, mujoco
 
@@ -94,104 +94,93 @@ class VectorEnvironment(VectorEnv):
         if len(structures) != 1:
             rule = "must be one, or several of the same structure"
             raise InvalidInputError("drives", rule, None, shown=f"{len(structures)} structures")
-        self.model, self._valved = model, drives[0].valved
+        self.model, self._valved, units = model, drives[0].valved, drives[0].units
         self._highest = min(float(np.min(drive.plant.muscles.highest_pressure)) for drive in drives)
-        self._engine = mjx()
-        data = self._engine.put_data(model, mujoco.MjData(model))
-        # on MJX's device from the start: a state that moves there later compiles the step again
-        self._device = data.qpos.device
-        self._blank, self._physics = data, self._engine.put_model(model)
-        # tables of other muscles are stacked; those of equal ones are shared
-        self._many = len(drives) > 1
-        chosen = [drives[i % len(drives)] for i in range(self.num_envs if self._many else 1)]
-        stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *chosen)
-        self._drives = jax.device_put(stacked if self._many else drives[0], self._device)
         P = check_interval(pressures, 0.0, self._highest, "pressures", "Pa", closed=(True, True))
-        self._pressures = np.broadcast_to(P, (drives[0].units,)) + 0.0
-        axes = 0 if self._many else None
+        self._pressures = np.broadcast_to(P, (units,)) + 0.0
+        self._engine = mjx()
+        self._blank = self._engine.put_data(model, mujoco.MjData(model))
+        self._physics = self._engine.put_model(model)
+        # tables of other muscles are stacked; those of equal ones are shared
+        axes, shared = (0, None) if len(drives) > 1 else (None, drives[0])
+        chosen = [drives[i % len(drives)] for i in range(self.num_envs)]
+        stacked = shared or jax.tree.map(lambda *leaves: np.stack(leaves), *chosen)
+        # on MJX's device from the start: a state that moves there later compiles the step again
+        self._drives = jax.device_put(stacked, self._blank.qpos.device)
         self._start = jax.jit(jax.vmap(self._start_one, in_axes=(axes, 0, 0)))
         self._step = jax.jit(jax.vmap(self._step_one, in_axes=(axes, 0, 0, 0, 0, 0)))
         self._view = jax.jit(jax.vmap(self._view_one))
         self._generators = [np_random(None)[0] for _ in range(self.num_envs)]
         self._steps = np.zeros(self.num_envs, int)
-        self._over = np.zeros(self.num_envs, bool)
+        self._over = np.ones(self.num_envs, bool)
         self._goals: Any = None
         self._state: Any = None
-        self._draw(range(self.num_envs))
+        self._begin(self._over)
         width = self._results()[0].shape[1]
-        low = -1.0 if self._valved else 0.0
-        self.single_action_space = Box(low, 1.0, (drives[0].units,), np.float32)
-        limitless = Box(-np.inf, np.inf, (width,), np.float32)
-        self.single_observation_space = observation_space or limitless
+        self.single_action_space = box(-1.0 if self._valved else 0.0, 1.0, units)
+        self.single_observation_space = observation_space or box(-np.inf, np.inf, width)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start an episode of each: `seed`s of the generators, or the first one of them.
-
-        **Returns:** observations, and what is measured [SI].
+        """Start an episode of each: `seed`s of the generators, or the first one of them. Returns
+        observations, and what is measured [SI].
         """
         del options
         if seed is not None:
             seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
             self._generators = [np_random(number)[0] for number in seeds]
-        self._draw(range(self.num_envs))
-        self._steps[:] = 0
+        self._over[:] = True
+        self._begin(self._over)
         self._over[:] = False
         return self._results()
 
     def step(
         self, actions: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """One step of each with `actions` [-], rows of environments.
+        """One step of each with `actions` [-], rows of environments, which must be finite.
 
         **Returns:** observations, rewards, whether a muscle left its table, whether the time is up,
         and what is measured [SI].
-
-        **Raises:** `InvalidInputError` for actions that aren't finite.
         """
         actions = check_action(actions, self.action_space.shape or ())
         fresh = self._over.copy()
         if fresh.any():
-            self._draw(np.flatnonzero(fresh))
+            self._begin(fresh)
         self._state, rewards, inside = self._step(
             self._drives, *self._state, self._goals, actions, fresh
         )
-        self._steps += 1
-        self._steps[fresh] = 0
+        self._steps += ~fresh
         terminated = ~np.asarray(inside)
         truncated = (self._steps >= self.limit) & ~terminated
         self._over = terminated | truncated
         observations, info = self._results()
         return observations, np.asarray(rewards), terminated, truncated, info
 
-    def _draw(self, indices: Any) -> None:
-        """Begin episodes of the environments with these `indices`."""
-        episodes = [self._begin_episode(self._generators[i]) for i in indices]
-        if self._goals is None:  # all of them, for the first time
-            rows = jax.tree.map(lambda *leaves: np.stack(leaves), *episodes)
-            self._positions, self._speeds, self._goals = rows
-        else:
-            for i, (qpos, qvel, goal) in zip(indices, episodes, strict=True):
-                self._positions[i], self._speeds[i] = qpos, qvel
-                jax.tree.map(lambda rows, x, i=i: rows.__setitem__(i, x), self._goals, goal)
-        first_state = self._start(self._drives, self._positions, self._speeds)
+    def _begin(self, fresh: np.ndarray) -> None:
+        """Begin episodes of the environments in the mask `fresh`, at first of all."""
+        self._steps[fresh] = 0
+        episodes = [self._begin_episode(self._generators[i]) for i in np.flatnonzero(fresh)]
+        rows = jax.tree.map(lambda *leaves: np.stack(leaves), *episodes)
         if self._state is None:
-            self._state = first_state
+            self._positions, self._speeds, self._goals = rows
+            self._state = self._start(self._drives, self._positions, self._speeds)
             return
-        fresh = np.isin(np.arange(self.num_envs), indices)
+        tables = self._positions, self._speeds, self._goals
+        jax.tree.map(lambda table, x: table.__setitem__(fresh, x), tables, rows)
 
         def choose(first: jax.Array, x: jax.Array) -> jax.Array:
             return jnp.where(fresh.reshape((-1,) + (1,) * (x.ndim - 1)), first, x)
 
+        first_state = self._start(self._drives, self._positions, self._speeds)
         self._state = jax.tree.map(choose, first_state, self._state)
 
     def _start_one(self, drive: Drive, qpos: Any, qvel: Any) -> tuple[Any, Fluid]:
         """Data and fluid of one environment as an episode begins."""
         data = self._blank.replace(qpos=qpos, qvel=qvel)
-        data = _with_types(self._engine.forward(self._physics, data), self._blank)
+        data = with_types(self._engine.forward(self._physics, data), self._blank)
         return data, drive.fluid_at(data.actuator_length, self._pressures)
 
     def _step_one(
@@ -220,30 +209,25 @@ class VectorEnvironment(VectorEnv):
         return jax.tree.map(np.asarray, self._view(*self._state, self._goals))
 
 
-def _with_types(after: Any, before: Any) -> Any:
-    """Data `after` a function of MJX with the types of those `before`: with 64 bits some whole
-    numbers come back wider.
-    """
-    return jax.tree.map(lambda x, y: jnp.asarray(x, y.dtype), after, before)
-
-
 def _vector_of(
-    kind: type[Environment], num_envs: int, max_episode_steps: int, render_mode: str | None
+    kind: type[Environment],
+    num_envs: int = 1,
+    max_episode_steps: int = 200,
+    render_mode: str | None = None,
 ) -> VectorEnvironment:
     """Environments of a single one's `kind`, with the same targets, observations and rewards."""
     if render_mode is not None:
         raise InvalidInputError("render_mode", "must be None", render_mode, "draw a single one")
-    task, plan = kind.task, Plan.of(kind.task)
-    actuators = np.array(plan.drive.actuators)
-    joints = plan.model.nq
+    task = kind.task
+    model, drive = task.compile()
 
     def begin(generator: np.random.Generator) -> tuple[Any, Any, Any]:
         target = generator.uniform(task.low, task.high)
-        return np.zeros(joints), np.zeros(joints), np.float64(target)
+        return np.zeros(model.nq), np.zeros(model.nv), np.float64(target)
 
     def observe(episode: Episode) -> Any:
         data, fluid, target = episode
-        return scale_observation(task, data.qpos[0], data.qvel[0], target, fluid.pressures)
+        return task.observation(data.qpos[0], data.qvel[0], target, fluid.pressures)
 
     def reward(episode: Episode, action: Any) -> Any:
         del action
@@ -251,38 +235,15 @@ def _vector_of(
 
     def measure(episode: Episode) -> dict[str, Any]:
         data, fluid, target = episode
-        return {
-            "position": data.qpos[0],
-            "target": target,
-            "pressures": fluid.pressures,
-            "forces": -data.actuator_force[actuators],
-            "air": fluid.consumption,
-        }
+        forces = -data.actuator_force[np.array(drive.actuators)]
+        info = {"position": data.qpos[0], "target": target, "pressures": fluid.pressures}
+        return info | {"forces": forces, "air": fluid.consumption}
 
+    functions, space = (begin, observe, reward, measure), box(-1.0, 1.0, 3 + drive.units)
     return VectorEnvironment(
-        plan.model,
-        plan.drive,
-        num_envs,
-        begin,
-        observe,
-        reward,
-        measure,
-        START,
-        FRAMES,
-        max_episode_steps,
-        plan.spaces[0],
+        model, drive, num_envs, *functions, START, FRAMES, max_episode_steps, space
     )
 
 
-def antagonistic_joints(
-    num_envs: int = 1, max_episode_steps: int = 200, render_mode: str | None = None
-) -> VectorEnvironment:
-    """As many `AntagonisticJoint`s in one process."""
-    return _vector_of(AntagonisticJoint, num_envs, max_episode_steps, render_mode)
-
-
-def hanging_masses(
-    num_envs: int = 1, max_episode_steps: int = 200, render_mode: str | None = None
-) -> VectorEnvironment:
-    """As many `HangingMass`es in one process."""
-    return _vector_of(HangingMass, num_envs, max_episode_steps, render_mode)
+antagonistic_joints = partial(_vector_of, AntagonisticJoint)
+hanging_masses = partial(_vector_of, HangingMass)

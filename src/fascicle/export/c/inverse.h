@@ -7,7 +7,8 @@
 /* The inverse: pressures [Pa] that give a force [N] at a strain, from 0 to the supply's gauge
  * pressure; of a supply above @inverse_highest@ Pa only that much is used. Recruitment is @scheme@, as
  * `Bundle.recruit` of fascicle chooses: the way that takes least fluid, then the lowest pressure.
- * @agreement@
+ * It solves for the table's force; where the table's error moves a demand across the limit of
+ * a state, the choice differs from Python's.
  *
  * Returns a status. If the demand can't be reached, the pressures are those of the nearest force
  * that can. `state` is the recruitment state, counted from 1; `reached` the force [N] that
