@@ -225,10 +225,9 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     data = fit_table(record, **facts, reads_contraction=has_set_loads(record))
     if muscle is None:
         return data
-    length, vented = float(muscle.length), read_vented(data.record, muscle)
+    length, (gauge, deviations) = float(muscle.length), read_vented(data.record, muscle)
     turning = after_turns(data.record, length)
-    data = replace(data, gauge_deviations=vented.deviations, turning=turning)
-    return data.corrected(vented.gauge, length)
+    return replace(data, gauge_deviations=deviations, turning=turning).corrected(gauge, length)
 
 
 def has_set_loads(record: Record) -> bool:

@@ -64,51 +64,30 @@ class Friction:
         return float(np.sum(self.law.slip_force + self.law.slip_force_slope * pressure))
 
 
-@dataclass(frozen=True, eq=False)
-class _Loops:
-    """Readings with both branches; distances from either turn, and `step` between readings [m]."""
-
-    pressure: np.ndarray
-    from_start: np.ndarray
-    from_end: np.ndarray
-    width: np.ndarray
-    step: float
-    levels: int
-
-
 def fit_friction(record: Record, length: float) -> Friction | None:
     """Fit sliding springs to the hysteresis loops of a `record`; `length`: reference of its strains
     [m]. `None` without a pressure that was measured on both branches.
     """
-    loops = _loops(record, length)
-    if loops is None:
+    groups = group_by_level(record, [run for run in runs(record) if run.kind == "pressure"])
+    levels = [level for group in groups if (level := _loop(record, group, length)) is not None]
+    if not levels:
         return None
-    width, n = loops.width, loops.width.size
+    step = float(np.median([np.median(np.diff(np.sort(level[1:2]))) for level in levels]))
+    loops = np.concatenate(levels, axis=1)
+    # at a turn both branches are one reading
+    loops = loops[:, np.minimum(loops[1], loops[2]) > step / 2]
+    width, n = loops[3], loops.shape[1]
     if np.mean(width) <= _CLEAR * np.std(width) / np.sqrt(n):
-        return Friction(None, width, 0.0 * width, np.zeros(0), (), loops.levels)
-    fits = [_fit_springs(loops, count) for count in range(1, _MAX_SPRINGS + 1)]
+        return Friction(None, width, 0.0 * width, np.zeros(0), (), len(levels))
+    fits = [_fit_springs(loops, step, len(levels), k) for k in range(1, _MAX_SPRINGS + 1)]
     errors = np.maximum([fit.rmse for fit in fits], _MIN_ERROR * float(np.mean(width)))
     # two numbers for each spring: its share and its distance
     costs = 2 * n * np.log(errors) + 2 * np.arange(len(fits)) * np.log(n)
     return fits[int(np.argmin(costs))]
 
 
-def _loops(record: Record, length: float) -> _Loops | None:
-    """Both branches at constant pressures; `None` without any."""
-    levels = group_by_level(record, [run for run in runs(record) if run.kind == "pressure"])
-    rows = [row for level in levels if (row := _loop(record, level)) is not None]
-    if not rows:
-        return None
-    step = float(np.median([np.median(np.diff(np.sort(row[1:2]))) for row in rows]))
-    columns = np.concatenate(rows, axis=1)
-    # at a turn both branches are one reading
-    inside = np.minimum(columns[1], columns[2]) > step / 2
-    P, from_start, from_end, width = columns[:, inside]
-    return _Loops(P, length * from_start, length * from_end, width, length * step, len(rows))
-
-
-def _loop(record: Record, level: list[Run]) -> np.ndarray | None:
-    """Pressure, distances from either turn [strain] and width of one level's readings."""
+def _loop(record: Record, level: list[Run], length: float) -> np.ndarray | None:
+    """Pressure [Pa], distances from either turn [m] and width [N] of one level's readings."""
     if not {UP, DOWN} <= {run.branch for run in level}:
         return None
     points = np.concatenate([run.points for run in level])
@@ -120,25 +99,25 @@ def _loop(record: Record, level: list[Run]) -> np.ndarray | None:
     if np.sum(good) < 2:
         return None
     # a turn lies at or beyond each reading, but for noise
-    from_start = np.maximum(strain - all_strains.min(), 0.0)
-    from_end = np.maximum(all_strains.max() - strain, 0.0)
+    from_start = length * np.maximum(strain - all_strains.min(), 0.0)
+    from_end = length * np.maximum(all_strains.max() - strain, 0.0)
     return np.array([half_way.record.pressure, from_start, from_end, half_way.width])[:, good]
 
 
-def _fit_springs(loops: _Loops, count: int) -> Friction:
-    """Fit a `count` of springs by least squares."""
+def _fit_springs(loops: np.ndarray, step: float, pressures: int, count: int) -> Friction:
+    """Fit a `count` of springs to rows of `_loop` by least squares; `step`: of the readings [m]."""
     from scipy.optimize import least_squares, nnls  # a tenth of a second, that few records need
 
-    stroke = float(np.max(loops.from_start + loops.from_end))
-    top = float(loops.pressure.max()) or 1.0
+    P, from_start, from_end, width = loops
+    stroke, top = float(np.max(from_start + from_end)), float(P.max()) or 1.0
     # the middle of a loop has its full width
-    middle = np.minimum(loops.from_start, loops.from_end) > stroke / 5
-    used = middle if np.any(middle) else loops.width > -np.inf
-    basis = np.stack([np.ones(used.sum()), loops.pressure[used] / top], axis=1)
-    h, _ = nnls(basis, loops.width[used] / 2)
+    middle = np.minimum(from_start, from_end) > stroke / 5
+    used = middle if np.any(middle) else width > -np.inf
+    basis = np.stack([np.ones(used.sum()), P[used] / top], axis=1)
+    h, _ = nnls(basis, width[used] / 2)
     # a start inside the bounds below, also where the regression gives zero
     h = np.maximum(h, 1e-6 * max(h.max(), 1e-9))
-    shortest, longest = np.log(min(loops.step, stroke / 4)), np.log(stroke)
+    shortest, longest = np.log(min(step, stroke / 4)), np.log(stroke)
 
     def law(z: np.ndarray) -> MaxwellSlip:
         fraction = np.exp(z[:count] - z[:count].max())
@@ -148,7 +127,7 @@ def _fit_springs(loops: _Loops, count: int) -> Friction:
         return MaxwellSlip(stiffness, fraction * constant, fraction * rise / top)
 
     def residuals(z: np.ndarray) -> np.ndarray:
-        return law(z).loop_width(loops.from_start, loops.from_end, loops.pressure) - loops.width
+        return law(z).loop_width(from_start, from_end, P) - width
 
     limit = np.full(count, 5.0)
     # a rise of zero beside a constant of zero would be a spring without stiffness
@@ -165,6 +144,5 @@ def _fit_springs(loops: _Loops, count: int) -> Friction:
     order = np.argsort(z[count:-2])
     z = np.concatenate([z[:count][order], z[count:-2][order], z[-2:]])
     breakaway = np.exp(z[count:-2])
-    resolved = tuple((breakaway > 1.5 * loops.step).tolist())
-    fitted_width = loops.width + residuals(z)
-    return Friction(law(z), loops.width, fitted_width, breakaway, resolved, loops.levels)
+    resolved = tuple((breakaway > 1.5 * step).tolist())
+    return Friction(law(z), width, width + residuals(z), breakaway, resolved, pressures)

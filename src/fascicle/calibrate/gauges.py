@@ -21,7 +21,7 @@ beside a free dead band: the priors alone separate them.
 """
 
 from dataclasses import dataclass, fields, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -119,18 +119,10 @@ def default_deviations(
     }
 
 
-class VentedReadings(NamedTuple):
-    """A `gauge` with the errors that readings without pressure show significantly, and standard
-    `deviations` of all that they determine [SI].
-    """
-
-    gauge: Gauge
-    deviations: dict[str, float]
-
-
-def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
-    """Zeros of the gauges from a record's readings without pressure, but of channels whose zero was
-    given. The stiffness of the `muscle` bounds its push near the rest length.
+def read_vented(record: Record, muscle: Muscle) -> tuple[Gauge, dict[str, float]]:
+    """Gauge with the errors that a record's readings without pressure show significantly, and
+    standard deviations of all that they determine [SI], but of channels whose zero was given. The
+    stiffness of the `muscle` bounds its push near the rest length.
     """
     start = 0.0 if record.time is None else float(np.min(record.time))
     top = float(np.max(record.pressure))
@@ -147,7 +139,7 @@ def read_vented(record: Record, muscle: Muscle) -> VentedReadings:
     if top > 0 and count and "force" not in record.zeroed:
         clear, known = _read_load_cell(record, muscle, np.flatnonzero(vented))
         zeros, deviations = zeros | clear, deviations | known
-    return VentedReadings(Gauge(**zeros, start=start), deviations)
+    return Gauge(**zeros, start=start), deviations
 
 
 def _read_load_cell(

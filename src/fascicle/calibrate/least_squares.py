@@ -323,11 +323,6 @@ class SearchEnds(NamedTuple):
         """Index of the lowest end."""
         return int(np.argmin(np.where(np.isfinite(self.cost), self.cost, np.inf)))
 
-    @property
-    def best_point(self) -> np.ndarray:
-        """The lowest end."""
-        return self.points[self.best]
-
 
 def solve(
     problem: Problem,
@@ -497,7 +492,7 @@ def solve_with_noise(
     """
     # which start leads lowest shows long before each has settled: only that one goes on
     ends = solve(problem, starts, tolerance=ROUGH)
-    best = ends.best_point
+    best = ends.points[ends.best]
     if curves_covariance is None:
         for _ in range(_NOISE_ROUNDS):
             misfits, _ = problem.misfits(problem.force(best))
@@ -513,7 +508,7 @@ def solve_with_noise(
             # the others follow with the noise as it is now, so that their ends can be compared
             again = solve(problem, np.concatenate([ends.points, best[None]]), tolerance=ROUGH)
             ends = again._replace(steps=again.steps + np.append(ends.steps, 0))
-            best = ends.best_point
+            best = ends.points[ends.best]
     if tolerance < ROUGH:
         best = solve(problem, best[None], tolerance=tolerance).points[0]
     return Solution(problem, ends, best, minimum_at(problem, best, curves_covariance))
@@ -541,6 +536,6 @@ def search_minimum(
     first = first._replace(cost=first.cost * (problem.noise / minimum.noise) ** 2)
     problem = replace(problem, noise=minimum.noise)
     nearby = solve(problem, np.concatenate([around, best + steps, best - steps]), tolerance=ROUGH)
-    best = solve(problem, nearby.best_point[None]).points[0]
+    best = solve(problem, nearby.points[[nearby.best]]).points[0]
     ends = SearchEnds(*map(np.concatenate, zip(first, nearby, strict=True)))
     return Solution(problem, ends, best, minimum_at(problem, best, curves_covariance))

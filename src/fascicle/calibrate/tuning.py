@@ -116,7 +116,7 @@ def fit_jointly(
     if starts > 1 and np.all(np.isfinite(end.slopes)):
         inverse = np.linalg.inv(end.slopes.T @ end.slopes)
         ends = solve(joint, starts_around(point, starts, seed, inverse), tolerance=ROUGH)
-        point = solve(joint, ends.best_point[None]).points[0]
+        point = solve(joint, ends.points[[ends.best]]).points[0]
         end = linearize(joint, point)
     if not np.all(np.isfinite(end.residuals)):
         return None

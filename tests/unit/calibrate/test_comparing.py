@@ -7,9 +7,7 @@ from scipy.stats import norm
 
 import fascicle as fs
 from fascicle.calibrate import Prior, compare, compare_tension, fit
-from fascicle.calibrate.comparison import (
-    comparison_row,
-)
+from fascicle.calibrate.comparison import comparison_row
 from fascicle.calibrate.model_selection import left_out_force
 from fascicle.muscle.collapse import Kim2021Collapse
 from fascicle.records.record import Record

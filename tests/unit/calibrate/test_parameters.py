@@ -5,12 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle.calibrate.parameters import (
-    PARAMETERS,
-    coordinates,
-    put,
-    select_parameters,
-)
+from fascicle.calibrate.parameters import PARAMETERS, coordinates, put, select_parameters
 from fascicle.calibrate.parameters import values as values_of
 from fascicle.muscle.tension import TENSION_LAWS
 
