@@ -174,7 +174,9 @@ def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> 
     """
     schema.check_kind(data, "muscle or bundle", source)
     sections, units = data.get("muscle"), value_at(data, ("bundle", "motor_unit"))
-    names_all = isinstance(units, list) and bool(units) and all("muscle" in unit for unit in units)
+    names_all = (
+        isinstance(units, list) and bool(units) and all(value_at(x, ["muscle"]) for x in units)
+    )
     if sections is None and names_all:
         data = data | {"muscle": {}}
     elif isinstance(sections, str | dict) and not _are_named(sections):

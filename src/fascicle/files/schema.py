@@ -293,11 +293,16 @@ def _quantity_parser(dimension: str) -> BeforeValidator:
     return BeforeValidator(parse_quantities)
 
 
-# one entry stands for a list of it
-_LIST = BeforeValidator(lambda value: value if isinstance(value, list) else [value])
+def _as_list(value: Any) -> list[Any]:
+    """One entry stands for a list of it."""
+    if value == []:
+        raise ValueError("must be an entry, or a list of them")
+    return value if isinstance(value, list) else [value]
+
+
 PriceEach = Annotated[Price, _price_parser(None)]
-Names = Annotated[tuple[StrictStr, ...], Field(min_length=1), _LIST]
-Integers = Annotated[tuple[StrictInt, ...], Field(min_length=1), _LIST]
+Names = Annotated[tuple[StrictStr, ...], BeforeValidator(_as_list)]
+Integers = Annotated[tuple[StrictInt, ...], BeforeValidator(_as_list)]
 Lengths = Annotated[tuple[float, ...], _quantity_parser("length")]
 Angles = Annotated[tuple[float, ...], _quantity_parser("angle")]
 Forces = Annotated[tuple[float, ...], _quantity_parser("force")]
@@ -412,7 +417,9 @@ class DesignSection(TableModel):
     unit_factors: Numbers | None = None
     buckling: StrictStr | None = None
     density: Annotated[float, Quantity("density")] | None = None
-    catalog: PlainOrTable[StrictStr, Annotated[list[ProductSection], _LIST]] | None = None
+    catalog: (
+        PlainOrTable[StrictStr, Annotated[list[ProductSection], BeforeValidator(_as_list)]] | None
+    ) = None
 
 
 class SweepSection(TableModel):

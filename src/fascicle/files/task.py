@@ -223,7 +223,7 @@ def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[st
             if key not in _BOUNDS:
                 raise location.error((name, key), "unknown key: write at_least or at_most.")
             dimension = dimension_of_unit(objectives.OBJECTIVES[name].unit) or "number"
-            value = location.child(name, key).call(parse, text, dimension)
+            value = location.child(name).call(parse, text, dimension, key)
             if name in objectives.SHARES and not 0 <= value < 1:
                 rule = 'a share of the task: must lie in [0, 1), as "10 %" does.'
                 raise location.error((name,), rule)

@@ -172,6 +172,7 @@ def test_refuses(refusal, old, new, message):
         ),
         ("[bundle]\n", "bundle.motor_unit: `motor_units` must hold at least one"),
         ("[bundle]\nsize = 2", "bundle.size: unknown key"),
+        ("[bundle]\nmotor_unit = [1]", "bundle.motor_unit[0] = 1: must be a table"),
         ("[bundle]\n" + UNIT + "count = 0", "bundle.motor_unit[0].count = 0: `count` must be"),
         ("[bundle]\n" + UNIT + 'muscle = "thin"', 'bundle.motor_unit[0].muscle = "thin": no such'),
     ],

@@ -130,7 +130,10 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
         ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block = 0: must be"),
         ("muscles = 2.5\n", "design.muscles[0]: must be a whole number"),
         ('muscles = 2\n[limits]\nmargin = "9 N"\n', "must be a share in [0, 10]"),
-        ('muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n', "'N' is no unit of length"),
+        (
+            'muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n',
+            'limits.envelope.at_most = "6 N": `at_most` must be a length',
+        ),
         ('muscles = 2\nunit_factors = "-1"\n', "`unit_factors` must lie in"),
         ('muscles = 2\n[limits]\nnot_reached = { at_most = "100 %" }\n', "must lie in [0, 1)"),
         ('muscles = 2\ndensity = "1100"\n', "write it with its unit"),
