@@ -2,8 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+import fascicle as fs
+
+from .. import results
 from . import options
 from .errors import UserError, exit_incomplete, user_errors
 from .inputs import check_grid, read_bundle, read_list, read_rising_strains, read_states
@@ -11,10 +14,6 @@ from .options import Text, option, with_options
 from .outputs import Outputs
 from .terminal import count_decimals, grid, kpa, number, print_table, print_text, status
 
-
-if TYPE_CHECKING:
-    from ..bundle import Bundle
-    from ..results.labelled import Variable
 
 _ROWS = 12  # strains of the workspace that are printed, about: as many as fit on a screen
 _LIMITS = {1: "largest", 2: "least"}  # the force that a demand of each status misses
@@ -41,12 +40,10 @@ def bundle(
     states = read_states(pressure, target)
     unit_count = len(states[0])
     check_grid(len(states), unit_count, max(unit_count, len(strains)))
-    from ..results.tables import bundle_equilibria, bundle_force
-
     resistance = not no_resistance
     with status("computing equilibria and forces"), user_errors():
-        forces = bundle_force(target, states, strains, resistance)
-        variables = {**forces, **bundle_equilibria(target, states, resistance)}
+        forces = fs.tables.bundle_force(target, states, strains, resistance)
+        variables = {**forces, **fs.tables.bundle_equilibria(target, states, resistance)}
 
     def table() -> None:
         print_states(variables)
@@ -64,7 +61,7 @@ def bundle(
     check_equilibria(variables)
 
 
-def check_equilibria(variables: Mapping[str, "Variable"]) -> None:
+def check_equilibria(variables: "Mapping[str, results.Variable]") -> None:
     """End a command with states that have no strain of zero force; `variables`: its result."""
     free = variables["free_strain"].values.tolist()
     missing = [f"{row}" for row, strain in enumerate(free, start=1) if math.isnan(strain)]
@@ -75,7 +72,7 @@ def check_equilibria(variables: Mapping[str, "Variable"]) -> None:
         )
 
 
-def print_states(variables: Mapping[str, "Variable"]) -> None:
+def print_states(variables: "Mapping[str, results.Variable]") -> None:
     """Print pressures, free strain and equilibria of states; `variables`: `bundle_equilibria`."""
     names = ("pressures", "free_strain", "equilibria", "stable")
     columns, rows = [variables[name].values.tolist() for name in names], []
@@ -100,7 +97,7 @@ def _state_heads(count: int) -> list[str]:
     return [f"state {state} [N]" for state in range(1, count + 1)]
 
 
-def _unit_heads(variables: Mapping[str, "Variable"]) -> list[str]:
+def _unit_heads(variables: "Mapping[str, results.Variable]") -> list[str]:
     return [f"P{unit + 1} [kPa]" for unit in range(variables["pressures"].values.shape[-1])]
 
 
@@ -125,19 +122,16 @@ def space(
     target = read_bundle(file, units)
     unit_count = len(target.motor_units)
     check_grid(max(unit_count, len(throttled or ())), unit_count, len(strains or range(201)))
-    from ..bundle import recruitment
-    from ..results import tables
-
     with status("computing the workspace of each state"), user_errors():
-        workspace = recruitment.workspace(
+        workspace = fs.recruitment.workspace(
             target, supply, throttled or 7, strains, resistance=not no_resistance, scheme=scheme
         )
-        variables = tables.space(workspace)
+        variables = fs.tables.space(workspace)
 
     def figure() -> Any:
         from ..plot.workspace import workspace as draw
 
-        return draw(workspace, recruitment.overlap(workspace))
+        return draw(workspace, fs.recruitment.overlap(workspace))
 
     def table() -> None:
         _print_space(variables, unit_count)
@@ -145,7 +139,7 @@ def space(
     outputs.write(variables, table, figure, title=f"Space of {file}")
 
 
-def _print_space(variables: Mapping[str, "Variable"], units: int) -> None:
+def _print_space(variables: "Mapping[str, results.Variable]", units: int) -> None:
     values = {name: variable.values for name, variable in variables.items()}
     strains, high = values["strain"], values["high"]
     decimals = count_decimals(high.ravel())
@@ -227,19 +221,17 @@ def recruit(
     check_grid(len(forces), len(strains), unit_count, unit_count)
     import numpy as np
 
-    from ..bundle import recruitment
     from ..bundle.states import resolve_scheme
-    from ..results.tables import recruited
 
     demands = np.array(forces)
     with (
         status(f"finding the pressures of {len(forces) * len(strains)} demands"),
         user_errors(),
     ):
-        result = recruitment.recruit(
+        result = fs.recruitment.recruit(
             target, demands[:, None], strains, supply, scheme, resistance=not no_resistance
         )
-        variables = recruited(result, demands, np.array(strains))
+        variables = fs.tables.recruited(result, demands, np.array(strains))
     is_free = resolve_scheme(target, scheme).independent
     title = f"Recruitment of {file}"
     outputs.write(variables, lambda: _print_pressures(variables, is_free), title=title)
@@ -251,17 +243,14 @@ def recruit(
 
 
 def _recruit_joint(
-    target: "Bundle", joint: JointDemand, strain: str, supply: Text, outputs: Outputs, title: str
+    target: "fs.Bundle", joint: JointDemand, strain: str, supply: Text, outputs: Outputs, title: str
 ) -> None:
     """Find the pressures of a `joint`, with a muscle or bundle on both sides."""
     torques = read_list(joint.torque or "", "moment", "--torque")
-    from ..control import Joint
-    from ..results.tables import joint_pressures
-
     with user_errors():
         if supply is not None:
             target = target.replace(supply_pressure=supply)
-        pair = Joint(target, target, joint.moment_arm, strain)
+        pair = fs.Joint(target, target, joint.moment_arm, strain)
         result = pair.pressures(joint.angle, torques, joint.stiffness)
     heads = ["torque [N·m]", "agonist [kPa]", "antagonist [kPa]", "stiffness [N·m/rad]", "status"]
     rows = [
@@ -269,13 +258,13 @@ def _recruit_joint(
         for P1, P2, T, K, code in zip(*result, strict=True)
     ]
     caption = "status: 0 reached, 1 stiffness too high, 2 too low, 3 torque out of reach"
-    variables = joint_pressures(result)
+    variables = fs.tables.joint_pressures(result)
     outputs.write(variables, lambda: print_table(caption, heads, rows), title=title)
     if count := int((result.status != 0).sum()):
         exit_incomplete(f"{count} of {len(rows)} demands can't be reached; see the nearest.")
 
 
-def _print_pressures(variables: Mapping[str, "Variable"], is_free: bool) -> None:
+def _print_pressures(variables: "Mapping[str, results.Variable]", is_free: bool) -> None:
     import numpy as np
 
     values = {name: variable.values for name, variable in variables.items()}
@@ -344,15 +333,14 @@ def efficiency(
     target = read_bundle(file, units)
     paths = _PATHS if path is None else (path,)
     check_grid(len(target.motor_units), len(forces or range(80)), len(strains or range(225)))
-    from ..bundle.energetics import efficiency_map
-    from ..results import tables
-
     with status("finding efficiencies"), user_errors():
         maps = [
-            efficiency_map(target, supply, path, forces, strains, not no_resistance, scheme)
+            fs.energetics.efficiency_map(
+                target, supply, path, forces, strains, not no_resistance, scheme
+            )
             for path in paths
         ]
-        variables = tables.efficiency(maps)
+        variables = fs.tables.efficiency(maps)
 
     def figure() -> Any:
         from ..plot.workspace import efficiency as draw
@@ -373,7 +361,7 @@ def efficiency(
         )
 
 
-def _print_efficiency(variables: Mapping[str, "Variable"], points: bool) -> None:
+def _print_efficiency(variables: "Mapping[str, results.Variable]", points: bool) -> None:
     values = {name: variable.values for name, variable in variables.items()}
     columns = (values[name] for name in ("path", "average", "reached"))
     for path, average, fraction in zip(*columns, strict=True):

@@ -8,11 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import fascicle as fs
+
+from .. import files
 from ..core.errors import require
 from ..io import atomic
 from ..io.sanitize import dump_json
 from . import options
-from .errors import INCOMPLETE, StoppedError, UserError, user_errors
+from .errors import INCOMPLETE, UserError, user_errors
 from .inputs import load_laws
 from .options import Text, argument, flag, option
 from .outputs import SOURCE, check_file, replace_output, result_folder, today
@@ -20,7 +23,6 @@ from .terminal import print_line, print_table, status
 
 
 if TYPE_CHECKING:
-    from ..design import Answer, SearchResult
     from ..files.task import TaskFile
 
 _PRINTED = 8  # designs of the front in the table; the report has more
@@ -55,7 +57,6 @@ def design(
     if generations is not None:
         require("pymoo")
     load_laws()
-    from ..design import evolve, search
     from ..files.task import load_task
 
     with user_errors():
@@ -70,10 +71,10 @@ def design(
     with status(f"evaluating {len(file.space)} designs") as update, user_errors():
         if generations is None:
             common["progress"] = lambda done, count: update(f"{done} of {count} designs")
-            result = search(*problem, **common)
+            result = fs.design.search(*problem, **common)
         else:
             common["watch"] = lambda done: update(f"{done} of {generations} generations")
-            result = evolve(*problem, population, generations, seed, **common)
+            result = fs.design.evolve(*problem, population, generations, seed, **common)
         answer = _judge(result, file, update)
     seconds = time.perf_counter() - begin
     names: list[str] = []
@@ -91,18 +92,18 @@ def design(
     return 0 if answer.is_recommended else INCOMPLETE
 
 
-def _judge(result: "SearchResult", file: "TaskFile", update: Callable[[str], None]) -> "Answer":
+def _judge(
+    result: "fs.design.SearchResult", file: "TaskFile", update: Callable[[str], None]
+) -> "fs.design.Answer":
     """Answer to a search, judged in draws; `update`: is told what is being done."""
-    from ..design import answer_search, judge_safety
-
     if file.uncertainty is not None:
         update("judging designs in draws of scatter")
-        result = judge_safety(result, file.uncertainty)
+        result = fs.design.judge_safety(result, file.uncertainty)
     update("looking at the recommended design")
-    return answer_search(replace(result, cycle=file.cycle))
+    return fs.design.answer_search(replace(result, cycle=file.cycle))
 
 
-def _print_answer(answer: "Answer", notes: tuple[str, ...]) -> None:
+def _print_answer(answer: "fs.design.Answer", notes: tuple[str, ...]) -> None:
     """Print what is recommended, or what is missing."""
     from ..report import design_summary as text
 
@@ -127,25 +128,27 @@ def _print_answer(answer: "Answer", notes: tuple[str, ...]) -> None:
 
 
 def _write(
-    answer: "Answer", notes: tuple[str, ...], seconds: float, folder: Path, overwrite: bool
+    answer: "fs.design.Answer",
+    notes: tuple[str, ...],
+    seconds: float,
+    folder: Path,
+    overwrite: bool,
 ) -> list[str]:
     """Write report, data and bundles; returns their names, the report's first."""
-    from ..files import dumps
     from ..report.design import report
-    from ..results import tables as result_tables
     from ..results.labelled import dataset, write_netcdf
 
     result = answer.result
     count = min(len(result.front), _SAVED)
     bundles = {f"bundle_{i + 1}.toml": result.designs.bundle(i, result.task) for i in range(count)}
-    data: dict[str, Any] = {"designs.nc": result_tables.all_design_variables(result)}
+    data: dict[str, Any] = {"designs.nc": fs.tables.all_design_variables(result)}
     if result.recommended is not None:
         bundle = result.designs.bundle(result.recommended, result.task)
         bundles = {"recommended.toml": bundle, **bundles}
-        cases = result_tables.case_variables(answer.summary)
-        data["front.nc"] = result_tables.front_variables(result) | cases
+        cases = fs.tables.case_variables(answer.summary)
+        data["front.nc"] = fs.tables.front_variables(result) | cases
     page = report(answer, today(), [*data, *bundles], seconds, notes)
-    texts = {"report.html": page, **{name: dumps(bundle) for name, bundle in bundles.items()}}
+    texts = {"report.html": page, **{name: files.dumps(bundle) for name, bundle in bundles.items()}}
     attributes = {"title": f"Designs for {result.task.name}", "source": SOURCE}
     attributes |= {"notes": " ".join(notes)} if notes else {}
 
@@ -160,14 +163,13 @@ def _write(
     return ["report.html", *data, *bundles]
 
 
-def _json(answer: "Answer", notes: tuple[str, ...]) -> str:
+def _json(answer: "fs.design.Answer", notes: tuple[str, ...]) -> str:
     """JSON of the front and the recommended design, or of the nearest design."""
     import numpy as np
 
     from ..core.findings import Severity
     from ..report.design_summary import words
     from ..results.labelled import to_json
-    from ..results.tables import case_variables, design_variables, front_variables
 
     result, summary, is_recommended = answer.result, answer.summary, answer.is_recommended
     warnings = [f for f in answer.findings if f.severity is Severity.WARNING]
@@ -208,10 +210,10 @@ def _json(answer: "Answer", notes: tuple[str, ...]) -> str:
             "run": run and run._asdict() | {"passes": run.passes(sizing.cycle)},
         }
     if is_recommended:
-        variables = front_variables(result) | case_variables(summary)
+        variables = fs.tables.front_variables(result) | fs.tables.case_variables(summary)
         return dump_json(data | json.loads(to_json(variables)))
     design = result.all_designs(np.array([answer.index]))
-    nearest = design_variables(design) | case_variables(summary)
+    nearest = fs.tables.design_variables(design) | fs.tables.case_variables(summary)
     data |= {"recommended": None, "nearest": json.loads(to_json(nearest))}
     data["would_reach"] = [
         {"change": x.what, "now": x.now, "value": x.value, "looked_up_to": x.most}
@@ -243,7 +245,6 @@ def sweep(
     from ..design.objectives import recorded_objectives, with_reach_limits
     from ..files.task import load_task
     from ..results.labelled import write
-    from ..results.tables import case_variables, front_variables
 
     folder = Path(f"swept-{Path(study).stem}" if out is None else out)
     with user_errors(), status("reading the task"):  # before a cluster is started
@@ -267,7 +268,7 @@ def sweep(
         print_line(f"interrupted; {hint}", error=True)
         raise
     except ConnectionError as error:
-        raise StoppedError(f"no workers: {error}; {hint}") from None
+        raise UserError(f"no workers: {error}; {hint}", code=1) from None
     except OSError as error:
         name, reason = error.filename or folder, error.strerror or error
         raise UserError(f"{name}: {reason}; remove the cause; {hint}") from None
@@ -275,7 +276,9 @@ def sweep(
         problem = (task.space, task.task, task.senses, task.limits)
         result = conclude(*problem, values, (), task.catalog, task.least_margin)
         answer = _judge(result, task, update)
-        variables = front_variables(answer.result) | case_variables(answer.summary)
+        variables = fs.tables.front_variables(answer.result) | fs.tables.case_variables(
+            answer.summary
+        )
         with replace_output("", front, overwrite or resume) as draft:
             write(variables, draft, title=f"Front of designs for {task.task.name}", source=SOURCE)
     print_line(f"wrote {len(task.space)} designs in {designs.blocks} blocks: {path}")

@@ -22,13 +22,9 @@ _MAX_MESSAGE = 2000  # characters: lists of rows are long
 class UserError(Exception):
     """A user's mistake, in one line."""
 
-    code = 2  # exit code of the command
-
-
-class StoppedError(UserError):
-    """A command that got no workers, or lost them or its scheduler, in one line."""
-
-    code = 1
+    def __init__(self, message: str, code: int = 2):
+        super().__init__(message)
+        self.code = code  # exit code of the command
 
 
 def exit_incomplete(message: str) -> NoReturn:

@@ -3,6 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+import fascicle as fs
+
+from .. import export as exports
 from . import options
 from .errors import UserError, user_errors
 from .inputs import is_scenario, read_bundle, read_list, read_scenario, read_target
@@ -49,11 +52,9 @@ def export(
     files = {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim}
     _check_outputs(table, files, pressure, overwrite)
     target = _read_exported(file, units, page is not None)
-    from .. import export
     from ..export.c_files import check_c_name
-    from ..muscle import Muscle
 
-    if (values or opensim) and not isinstance(target, Muscle):
+    if (values or opensim) and not isinstance(target, fs.Muscle):
         option_name = "--values" if values else "--opensim"
         raise UserError(f"{option_name}: {file} is a bundle: export each of its muscles.")
 
@@ -63,15 +64,13 @@ def export(
         _check_c(table, name, overwrite)
     pressures = None if pressure is None else read_list(pressure, "pressure", "--pressure")
     if values is not None:
-        from ..results.tables import muscle_table
-
         outputs = Outputs(out=values, overwrite=overwrite)
         with status("computing the table"), user_errors():
-            variables = muscle_table(target, pressures)
+            variables = fs.tables.muscle_table(target, pressures)
         outputs.write(variables, lambda: None, title=f"Table of {file}")
     if opensim is not None:
         with user_errors():
-            text = export.opensim_element(target, name, max(pressures or ()))
+            text = exports.opensim_element(target, name, max(pressures or ()))
         write_text("--opensim", opensim, overwrite, text)
         print_line(f"wrote {opensim}")
     if page is not None:
@@ -83,7 +82,7 @@ def export(
         print_line(f"wrote {page}")
     if table is not None:
         with status("computing the table"), user_errors():
-            tables = export.tabulate(target, precision)
+            tables = exports.tabulate(target, precision)
             texts = tables.code(name)
         _write_c(table, name, texts, overwrite)
         print_line(tables.errors)
@@ -130,7 +129,6 @@ def _write_fmu(
     fmu: str, target: Any, name: str, sample_time: Text, platform: Text, overwrite: bool
 ) -> None:
     """Write a unit for co-simulation; without a compiler its sources, and an error."""
-    from ..export import write_fmu
     from ..export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
 
     message = ""
@@ -139,7 +137,7 @@ def _write_fmu(
         replace_output("", fmu, overwrite) as x,
     ):
         try:
-            write_fmu(target, x, name, sample_time, platform)
+            exports.write_fmu(target, x, name, sample_time, platform)
         except UnbuiltUnitError as error:
             message = f"{error}"
     if message:

@@ -9,17 +9,16 @@ import os
 import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import fascicle as fs
+
+from .. import files
 from ..io.sanitize import sanitize_line
 from ..units import parse_list
 from .errors import UserError, user_errors
 from .terminal import status
 
-
-if TYPE_CHECKING:
-    from ..bundle import Bundle
-    from ..muscle import Muscle
 
 MAX_GRID = 1_000_000  # points of a table: a slip in a step must not fill the memory
 
@@ -62,28 +61,22 @@ def _cache_folder() -> Path | None:
 
 def read_target(target: str) -> Any:
     """Read a `Muscle` or `Bundle` by path or shipped name; a file of that name comes first."""
-    from ..files import example, named_muscles, scenarios
-
-    if not is_path(target) and target in scenarios():
+    if not is_path(target) and target in files.scenarios():
         raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
-    _check_target(target, named_muscles())
+    _check_target(target, files.named_muscles())
     load_laws()
     from ..files.muscle_files import load_muscle  # `files.load` reads scenarios, too: needs JAX
 
     with user_errors():
-        return load_muscle(target) if is_path(target) else example(target)
+        return load_muscle(target) if is_path(target) else files.example(target)
 
 
 def read_scenario(target: str) -> Any:
     """Read a `Scenario` by path or name; a file of that name comes first."""
-    from ..files import example, scenarios
-
-    _check_target(target, list(scenarios()))
-    load_laws()
-    from ..files import load_scenario  # imports JAX, whose settings come first
-
+    _check_target(target, list(files.scenarios()))
+    load_laws()  # the settings of JAX, which scenarios import
     with user_errors():
-        return load_scenario(target) if is_path(target) else example(target)
+        return files.load_scenario(target) if is_path(target) else files.example(target)
 
 
 def _check_target(target: str, names: list[str]) -> None:
@@ -97,11 +90,10 @@ def _check_target(target: str, names: list[str]) -> None:
 
 def is_scenario(target: str) -> bool:
     """True for the name of a scenario, or the path of a file that has a `load`."""
-    from ..files import scenarios
     from ..files.muscle_files import read_file
 
     if not is_path(target):
-        return target in scenarios()
+        return target in files.scenarios()
     with user_errors():
         return "load" in read_file(Path(target))
 
@@ -116,32 +108,28 @@ def is_path(target: str) -> bool:
         return False
 
 
-def read_muscle(name: str, remedy: str) -> "Muscle":
+def read_muscle(name: str, remedy: str) -> "fs.Muscle":
     """Read a muscle; `remedy`: advice for a bundle."""
     muscle = read_target(name)
-    from ..muscle import Muscle
-
-    if isinstance(muscle, Muscle):
+    if isinstance(muscle, fs.Muscle):
         return muscle
     raise UserError(f"{name}: a bundle, not a muscle: {remedy}.")
 
 
-def read_bundle(name: str, units: str | None = None) -> "Bundle":
+def read_bundle(name: str, units: str | None = None) -> "fs.Bundle":
     """Read a bundle, or a muscle as a bundle of its `units`, such as "1,4"; default: of one."""
     target = read_target(name)
-    from ..bundle import Bundle, MotorUnit
-
-    if isinstance(target, Bundle):
+    if isinstance(target, fs.Bundle):
         if units is not None:
             raise UserError(f"--units {units}: FILE is a bundle, which has its motor units.")
         return target
     counts = [text.strip() for text in (units or "1").split(",")]
     if not all(text.isdecimal() and int(text) > 0 for text in counts):
         raise UserError(f"--units {units}: give whole numbers of muscles between commas: 1,4.")
-    return Bundle([MotorUnit(target, int(text)) for text in counts])
+    return fs.Bundle([fs.MotorUnit(target, int(text)) for text in counts])
 
 
-def read_states(texts: list[str] | None, bundle: "Bundle") -> list[list[float]]:
+def read_states(texts: list[str] | None, bundle: "fs.Bundle") -> list[list[float]]:
     """Read pressures [Pa] of a bundle's motor units, a row for each state.
 
     Each text has a pressure or a range for every unit, between commas; ranges are combined. Without

@@ -5,13 +5,17 @@ import json
 import sys
 import textwrap
 from collections.abc import Mapping
-from importlib.resources import files
+from importlib import resources
 from math import degrees
 from string import Template
 from typing import TYPE_CHECKING, Any
 
+import fascicle as fs
+
+from .. import files, results
 from ..bundle.schemes import format_names
 from ..io.sanitize import sanitize_line
+from ..units import parse
 from . import options
 from .bundle import check_equilibria, print_states
 from .errors import UserError, user_errors
@@ -23,7 +27,6 @@ from .terminal import count_decimals, grid, kpa, number, print_line, print_table
 
 if TYPE_CHECKING:
     from ..muscle.law import AbstractLaw
-    from ..results.labelled import Variable
 
 _LIFTS = {"air": "lift_gas", "oil": "lift_oil"}  # scenarios that are templates, by fluid
 _ENDS = ("free", "collapse")  # of the stretches of a curve
@@ -49,10 +52,8 @@ def force(
     strains = read_list(strain, "strain", "--strain")
     check_grid(len(pressures), len(strains))
     muscle = read_muscle(file, "use `fascicle bundle`")
-    from ..results.tables import muscle_force
-
     with status("computing forces"), user_errors():
-        variables = muscle_force(muscle, pressures, strains)
+        variables = fs.tables.muscle_force(muscle, pressures, strains)
         blocked = float(muscle.blocked_force(max(pressures)))
 
     def figure() -> Any:
@@ -64,7 +65,7 @@ def force(
     outputs.write(variables, lambda: _print_forces(variables, blocked), figure, title=title)
 
 
-def _print_forces(variables: Mapping[str, "Variable"], blocked: float) -> None:
+def _print_forces(variables: "Mapping[str, results.Variable]", blocked: float) -> None:
     values = {name: variable.values.tolist() for name, variable in variables.items()}
     labels = [f"{kpa(pressure)} kPa" for pressure in values["pressure"]]
     highest = values["pressure"].index(max(values["pressure"]))
@@ -107,22 +108,19 @@ def free_strain(
     collapse strain, or all equilibria of a bundle.
     """
     target = read_target(file)
-    from ..bundle import Bundle
-    from ..results.tables import bundle_equilibria, muscle_free_strain
-
-    if is_bundle := isinstance(target, Bundle):
+    if is_bundle := isinstance(target, fs.Bundle):
         pressures = read_states(pressure, target)
         units = len(pressures[0])
         check_grid(len(pressures), units, units)
         with status("finding equilibria"), user_errors():
-            variables = bundle_equilibria(target, pressures, not no_resistance)
+            variables = fs.tables.bundle_equilibria(target, pressures, not no_resistance)
     elif no_resistance:
         raise UserError("--no-resistance: only a bundle's muscles resist: drop it for a muscle.")
     else:
         text = ",".join(pressure or [options.DEFAULT_PRESSURE])
         pressures = read_list(text, "pressure", "--pressure")
         with status("finding free strains"), user_errors():
-            variables = muscle_free_strain(target, pressures)
+            variables = fs.tables.muscle_free_strain(target, pressures)
 
     def figure() -> Any:
         import numpy as np
@@ -137,7 +135,7 @@ def free_strain(
     check_equilibria(variables)
 
 
-def _print_free_strains(variables: Mapping[str, "Variable"]) -> None:
+def _print_free_strains(variables: "Mapping[str, results.Variable]") -> None:
     values = {name: variable.values for name, variable in variables.items()}
     highest = values["pressure"].argmax()
     pressures = [kpa(pressure) for pressure in values.pop("pressure")]
@@ -161,33 +159,29 @@ def muscles(
     as_json: options.Json = False,
 ) -> None:
     """List example or measured muscles, or print the file of one."""
-    from ..files import example_text, examples
-
     if name is not None:
         if measured:
             raise UserError("NAME and --measured: a name prints one muscle, drop one of them.")
         with user_errors():
-            text = example_text(name)
+            text = files.example_text(name)
         sys.stdout.write(json.dumps({"name": name, "toml": text}) + "\n" if as_json else text)
     elif measured:
         _print_measured(as_json)
     elif as_json:
-        print(json.dumps(examples()))
+        print(json.dumps(files.examples()))
     else:
-        for example, description in examples().items():
+        for example, description in files.examples().items():
             print(f"{example:24}{description}")
 
 
 def _print_measured(as_json: bool) -> None:
     load_laws()
-    from ..files import catalog
-
     if as_json:
-        print(json.dumps({name: entry.as_dict() for name, entry in catalog.items()}))
+        print(json.dumps({name: entry.as_dict() for name, entry in fs.catalog.items()}))
         return
     heads = ["name", "length [mm]", "outer diameter [mm]", "pressure [kPa]", "contraction [%]"]
     rows = []
-    for entry in catalog.values():
+    for entry in fs.catalog.values():
         pressure, strain = (ends and ends[1] for ends in entry.range)
         numbers = [
             (float(entry.muscle.length), 1e3, 1),
@@ -281,15 +275,12 @@ def init(
     overwrite: options.Overwrite = False,
 ) -> None:
     """Write a commented muscle, task or scenario file to edit."""
-    from ..files import example_text, scenarios
-
     if protractor is not None:
         check_file("--protractor", protractor, overwrite, [".svg", ".pdf", ".png"])
         from ..plot import protractor as pictures
-        from ..plot import to_bytes
 
         with replace_output("--protractor", protractor, overwrite) as draft:
-            draft.write_bytes(to_bytes(pictures.protractor(), draft.suffix.lower()[1:]))
+            draft.write_bytes(fs.plot.to_bytes(pictures.protractor(), draft.suffix.lower()[1:]))
         print_line(f"wrote {protractor}: print it at 100 %")
         if path is None and sleeve is None:
             return
@@ -315,14 +306,14 @@ def init(
             from ..core.validation import check_choice  # imports NumPy
 
             example = example or _LIFTS[check_choice(fluid or "air", _LIFTS, "fluid")]
-            check_choice(example, scenarios(), "example")
-        text = example_text(example) if example else template(kind)
+            check_choice(example, files.scenarios(), "example")
+        text = files.example_text(example) if example else template(kind)
         if sleeve is not None and tube is not None:
             text = _with_product(text, sleeve, tube)
         if mass is not None and stroke is not None:
             text = _with_load(text, mass, stroke)
     write_text("", path, overwrite, text)
-    is_scenario = scenario or example in scenarios()
+    is_scenario = scenario or example in files.scenarios()
     command = "design" if task else "simulate" if is_scenario else "free-strain"
     print_line(f"wrote {path}: edit it, then run `fascicle {command} {path}`")
 
@@ -330,7 +321,6 @@ def init(
 def _with_load(text: str, mass: str, stroke: str) -> str:
     """Template of a task with the weight of a `mass`, lifted by a `stroke`, as its load case."""
     from ..design.summary import STANDARD_GRAVITY
-    from ..units import parse
 
     weight = parse(mass, "mass", "--mass") * STANDARD_GRAVITY
     travel = 1e3 * parse(stroke, "length", "--stroke")
@@ -343,7 +333,6 @@ def _with_load(text: str, mass: str, stroke: str) -> str:
 def _with_product(text: str, sleeve: str, tube: str) -> str:
     """Template of a muscle with the sizes of a `sleeve` on a `tube`."""
     from ..muscle.products import sleeve_angle
-    from ..units import parse
 
     size, _, angle = sleeve.partition("at")
     sizes = [entry.strip() for entry in tube.replace("×", "x").split("x")]
@@ -384,7 +373,9 @@ def template(kind: str) -> str:
             key = "law" if law == "collapse" else law  # it has a table
             first, *alternatives = (f'"{name}"' for name in names)
             values[law] = f"{key} = {first}".ljust(33) + "# or " + ", ".join(alternatives)
-    text = (files("fascicle.cli") / "templates" / f"{kind}.toml").read_text(encoding="utf-8")
+    text = (resources.files("fascicle.cli") / "templates" / f"{kind}.toml").read_text(
+        encoding="utf-8"
+    )
     return Template(text).substitute(values, schemes=format_names('"', 1))
 
 

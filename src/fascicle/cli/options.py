@@ -13,6 +13,7 @@ from typer.core import TyperCommand
 
 from ..bundle.schemes import SCHEMES, format_names
 from ..core.errors import InvalidInputError
+from ..files import named_muscles
 from .errors import UserError
 
 
@@ -68,8 +69,6 @@ def with_options(name: str, group: Callable[..., Any]) -> Callable[[Callable], C
 
 def complete_target(incomplete: str) -> list[str]:
     """Named examples, measured muscles, and TOML files by path, that begin with `incomplete`."""
-    from ..files import named_muscles
-
     folder, slash, _ = incomplete.rpartition("/")
     files: list[str] = []
     with contextlib.suppress(OSError, ValueError):

@@ -5,16 +5,16 @@ import datetime as dt
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import fascicle as fs
+
+from .. import results
 from ..io import atomic
 from . import options
 from .errors import UserError, user_errors
 from .terminal import print_line, status
 
-
-if TYPE_CHECKING:
-    from ..results.labelled import Variable
 
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
 
@@ -87,7 +87,7 @@ class Outputs:
 
     def write(
         self,
-        variables: Mapping[str, "Variable"],
+        variables: "Mapping[str, results.Variable]",
         table: Callable[[], None],
         figure: Callable[[], Any] | None = None,
         *,
@@ -107,13 +107,11 @@ class Outputs:
                 with replace_output("--out", self.out, self.overwrite, is_own) as draft:
                     labelled.write(variables, draft, title=title, source=SOURCE, **attributes)
             if self.plot is not None and figure is not None:
-                from ..plot import to_bytes
-
                 update("drawing the picture")
                 with user_errors():
                     drawn = figure()
                 with replace_output("--plot", self.plot, self.overwrite) as draft:
-                    draft.write_bytes(to_bytes(drawn, draft.suffix.lower()[1:]))
+                    draft.write_bytes(fs.plot.to_bytes(drawn, draft.suffix.lower()[1:]))
         if self.as_json:
             print(labelled.to_json(variables))
         elif self.as_csv:

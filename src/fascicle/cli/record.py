@@ -8,6 +8,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import fascicle as fs
+
+from .. import calibrate as fitting
+from .. import records
 from ..core.errors import InvalidInputError, require
 from ..io import atomic
 from ..io.sanitize import dump_json, escape_invisible
@@ -21,12 +25,7 @@ from .terminal import print_line, print_table, print_written, status
 
 
 if TYPE_CHECKING:
-    from ..calibrate.calibration import Calibration
     from ..calibrate.comparison import LawComparison
-    from ..calibrate.fitting import Prior
-    from ..calibrate.model_selection import Selection
-    from ..muscle import Muscle
-    from ..records.record import Record
     from ..report.calibration import CalibrationResult
 
 _LABEL_WIDTH = 35  # characters: a table fits next to it
@@ -98,13 +97,12 @@ class Reading(NamedTuple):
     push_positive: bool = flag("Forces are positive for a push.", "--push-positive")
 
 
-def read_record(paths: list[str], reading: Reading, length: float | None = None) -> "Record":
+def read_record(
+    paths: list[str], reading: Reading, length: float | None = None
+) -> "records.Record":
     """Read one record from files and patterns; `length`: of the muscle at rest [m], for files that
     name no rest length.
     """
-    from ..records import load
-    from ..records.headers import MissingMetadataError
-
     settings = reading._asdict()
     pairs = {
         f"{name}s": read_pairs(settings.pop(name), f"--{name}")
@@ -121,8 +119,8 @@ def read_record(paths: list[str], reading: Reading, length: float | None = None)
         raise UserError("--columns names all columns: leave out --column.")
     with user_errors():
         try:
-            return load(paths, **{**pairs, **settings}, default_length=length)
-        except MissingMetadataError as error:
+            return records.load(paths, **{**pairs, **settings}, default_length=length)
+        except records.MissingMetadataError as error:
             raise ValueError(error.message(_record_option)) from None
 
 
@@ -172,10 +170,8 @@ def record(
         settings["pressures"] = read_list(pressure, "pressure", "--pressure")
     check_grid(len(settings.get("pressures", range(13))), machine.samples * (1 if one_way else 2))
     muscle = read_muscle(file, "run `fascicle record` on each of its muscles")
-    from ..records import VirtualDynamometer
-
     with user_errors():
-        synthetic = VirtualDynamometer(**settings).record(muscle, seed)
+        synthetic = records.VirtualDynamometer(**settings).record(muscle, seed)
     _write_record(synthetic, out, overwrite)
     strain, force = float(synthetic.strain.max()), float(synthetic.force.max())
     clipped = int(synthetic.censored.sum())
@@ -197,7 +193,7 @@ def record(
     print(f"largest contraction {strain:.4f}, largest force {force:.4g} N, seed {seed}")
 
 
-def _write_record(measured: "Record", out: str, overwrite: bool) -> None:
+def _write_record(measured: "records.Record", out: str, overwrite: bool) -> None:
     from ..records.published import file_text
 
     with user_errors():
@@ -293,16 +289,14 @@ def calibrate(
         require("numpyro")
     settings = {"loss": loss, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
-        from ..calibrate import fitting, intervals
-        from ..calibrate.model_selection import select_model
-        from ..calibrate.posterior import sample
+        from ..calibrate import intervals
         from ..report.calibration import CalibrationResult, output_files, summary
 
         priors = _read_priors(prior_texts, start, names)
         choice = None
         if names is None:
             laws = ("ends",) if sizes.ends is not None else ()
-            choice = select_model(
+            choice = fitting.select_model(
                 measured, start, priors, **settings, given_laws=laws, progress=update
             )
             calibration = choice.calibration
@@ -314,12 +308,12 @@ def calibrate(
         fit_result = intervals.with_profiles(calibration)
         profiles = () if folder is None or profile is False else fit_result.profiles
         if folder is not None and profile:
-            profiles = intervals.profiles(fit_result)
+            profiles = fitting.profiles(fit_result)
         result = CalibrationResult(
             fit_result,
             choice,
             profiles,
-            sample(fit_result, seed=seed) if posterior else None,
+            fitting.sample(fit_result, seed=seed) if posterior else None,
             _compare(fit_result, start, priors, settings) if compare else None,
         )
     content: dict[str, bytes] = {}
@@ -341,7 +335,7 @@ def calibrate(
         print_written(folder, list(content), verbose)
 
 
-def read_start(target: str | None, sizes: Start) -> "Muscle":
+def read_start(target: str | None, sizes: Start) -> "fs.Muscle":
     """Read the muscle that a fit begins with, by path or example's name if there is one."""
     changes = {name: text for name, text in sizes._asdict().items() if text is not None}
     if target is not None:
@@ -354,16 +348,13 @@ def read_start(target: str | None, sizes: Start) -> "Muscle":
             f"the muscle's sizes are needed: give --muscle FILE, or {', '.join(missing)}."
         )
     load_laws()
-    from ..muscle import Muscle
-
     with user_errors():
-        return Muscle(**changes)
+        return fs.Muscle(**changes)
 
 
 def _read_priors(
-    texts: Mapping[str, str], muscle: "Muscle", names: list[str] | None
-) -> dict[str, "Prior"]:
-    from ..calibrate.fitting import Prior
+    texts: Mapping[str, str], muscle: "fs.Muscle", names: list[str] | None
+) -> dict[str, "fitting.Prior"]:
     from ..calibrate.parameters import select_parameters
 
     priors = {}
@@ -378,7 +369,7 @@ def _read_priors(
         numbers = text.split(",")
         if len(numbers) != 2:
             raise UserError(f"{flag}: write a value and its standard deviation, with a comma.")
-        prior = Prior(*(parse(number, dimension, f"--prior {name}") for number in numbers))
+        prior = fitting.Prior(*(parse(number, dimension, f"--prior {name}") for number in numbers))
         if prior.deviation <= 0:
             raise UserError(f"{flag}: its standard deviation must be positive.")
         priors[name] = prior
@@ -386,16 +377,17 @@ def _read_priors(
 
 
 def _compare(
-    fit: "Calibration", start: "Muscle", priors: Mapping[str, "Prior"], settings: dict[str, Any]
+    fit: "fitting.Calibration",
+    start: "fs.Muscle",
+    priors: Mapping[str, "fitting.Prior"],
+    settings: dict[str, Any],
 ) -> "LawComparison":
     """Compare laws of resisting force if that was fitted, else of tension."""
-    from ..calibrate import comparison
-
     pulling = fit.method == "constants" or fit.fit_data.pulls
     names = list(fit.names) if fit.method == "constants" or not pulling else None
     if pulling:
         settings = {**settings, "whole": False}
-    compare = comparison.compare_tension if pulling else comparison.compare
+    compare = fitting.compare_tension if pulling else fitting.compare
     return compare(fit.record, start, names, priors, **settings)
 
 
@@ -474,7 +466,7 @@ def _print_details(result: "CalibrationResult") -> None:
             print_line(line)
 
 
-def _print_choice(choice: "Selection") -> None:
+def _print_choice(choice: "fitting.Selection") -> None:
     """Print the candidates, and the reasons for the selected one."""
     from ..report.calibration_words import candidate_label, selection_reasons
 

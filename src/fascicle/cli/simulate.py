@@ -1,8 +1,11 @@
 """`fascicle simulate`: a bundle driven in time, its energy balance, and policies compared."""
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import fascicle as fs
+
+from .. import files
 from .errors import UserError, user_errors
 from .inputs import read_scenario
 from .options import Text, argument, flag, option, with_options
@@ -10,20 +13,13 @@ from .outputs import Outputs, check_file, today, write_text
 from .terminal import print_line, print_table, print_text, status
 
 
-if TYPE_CHECKING:
-    from ..dynamics.audit import Audit, Balance
-    from ..dynamics.simulate import Trajectory
-    from ..files.scenario import Scenario
-
 _UNTRUSTED = 1  # exit code
 _MAX_EVENTS = 5  # lines: the summary stays below ten
 _ROUNDING = 1e-14  # of a balance's largest term: smaller ones are rounded zeros
 
 
 def _complete_scenario(incomplete: str) -> list[str]:
-    from ..files import scenarios
-
-    return [name for name in scenarios() if name.startswith(incomplete)]
+    return [name for name in files.scenarios() if name.startswith(incomplete)]
 
 
 @with_options("outputs", Outputs)
@@ -57,11 +53,10 @@ def simulate(
     return (_compare_policies if compare else _simulate)(study, outputs, report)
 
 
-def _simulate(study: "Scenario", outputs: Outputs, report: str | None) -> int:
+def _simulate(study: "files.Scenario", outputs: Outputs, report: str | None) -> int:
     """Run a scenario once, print and write the results; returns the exit code."""
     from ..dynamics.audit import audit_run
     from ..report import simulation as pages
-    from ..results.tables import simulated
 
     steps = f"{study.duration:g} s in {round(study.duration / study.dt)} steps"
     with status(f"simulating {steps}"), user_errors():
@@ -79,7 +74,7 @@ def _simulate(study: "Scenario", outputs: Outputs, report: str | None) -> int:
     if doubts:
         notes = [*notes, f"can't be trusted: {'; '.join(doubts)}"]
     outputs.write(
-        simulated(study.plant, result, balances, *controlled),
+        fs.tables.simulated(study.plant, result, balances, *controlled),
         lambda: _print(study, result, balances, doubts),
         figure,
         title=f"Simulation of {study.name}",
@@ -90,20 +85,18 @@ def _simulate(study: "Scenario", outputs: Outputs, report: str | None) -> int:
     return _print_doubts({f"{study.name}: the run": doubts})
 
 
-def _compare_policies(study: "Scenario", outputs: Outputs, report: str | None) -> int:
+def _compare_policies(study: "files.Scenario", outputs: Outputs, report: str | None) -> int:
     """Run all policies on one scenario; returns the exit code."""
     if study.control is None:
         raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")
-    from ..control import POLICIES
     from ..dynamics.audit import audit_run
     from ..plot.trajectory import PolicyCosts, policies
     from ..report import simulation as pages
-    from ..results.tables import policy_table
 
     runs: dict[str, Any] = {}
     with status("simulating") as update:
-        for index, policy in enumerate(POLICIES, start=1):
-            update(f"simulating {policy}, policy {index} of {len(POLICIES)}")
+        for index, policy in enumerate(fs.control.POLICIES, start=1):
+            update(f"simulating {policy}, policy {index} of {len(fs.control.POLICIES)}")
             with user_errors():
                 variant = study.with_policy(policy)
                 result = variant.run()
@@ -115,7 +108,7 @@ def _compare_policies(study: "Scenario", outputs: Outputs, report: str | None) -
             runs[policy] = pages.PolicyRun(variant.control, result, metrics, tracking, doubts)
     metrics = [run.metrics for run in runs.values()]
     controllers = {name: run.control.controller for name, run in runs.items()}
-    table = policy_table(controllers, metrics, [not run.doubts for run in runs.values()])
+    table = fs.tables.policy_table(controllers, metrics, [not run.doubts for run in runs.values()])
     front = table["on_front"].values.tolist()
     quantity = study.control.controller.of
     notes = [f"{note}." for note in pages.policy_notes(study, runs)]
@@ -161,9 +154,11 @@ def _print_doubts(doubts: dict[str, list[str]]) -> int:
 
 
 def _print(
-    study: "Scenario", result: "Trajectory", audited: "Audit | None", doubts: list[str]
+    study: "files.Scenario",
+    result: "fs.dynamics.Trajectory",
+    audited: "fs.dynamics.Audit | None",
+    doubts: list[str],
 ) -> None:
-    from ..dynamics import events
     from ..report import simulation as pages
 
     plant, control = study.plant, study.control
@@ -186,7 +181,7 @@ def _print(
             print_text(f"note: {message}")
     for note in pages.scenario_notes(study):
         print_text(f"note: {note}")
-    happened = events(result)
+    happened = fs.dynamics.events(result)
     for event in happened[:_MAX_EVENTS]:
         print_text(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.message}")
     if len(happened) > _MAX_EVENTS:
@@ -198,7 +193,7 @@ def _print(
         _print_balances(balances)
 
 
-def _print_balances(balances: "tuple[Balance, ...]") -> None:
+def _print_balances(balances: "tuple[fs.dynamics.Balance, ...]") -> None:
     rows = []
     for balance in balances:
         smallest = _ROUNDING * max(map(abs, (balance.inputs | balance.outputs).values()))
