@@ -9,11 +9,7 @@ from scipy.stats import binom
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.calibrate.diagnostics import (
-    Residuals,
-    autocorrelation_inflation,
-    find_trends,
-)
+from fascicle.calibrate.diagnostics import Residuals, autocorrelation_inflation, find_trends
 from fascicle.calibrate.least_squares import NORMAL
 from fascicle.records.record import Record
 

@@ -5,13 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle.calibrate.data import Grid
-from fascicle.calibrate.least_squares import (
-    BROKE,
-    CONVERGED,
-    STOPPED,
-    Problem,
-    solve,
-)
+from fascicle.calibrate.least_squares import BROKE, CONVERGED, STOPPED, Problem, solve
 
 
 @dataclass(frozen=True, eq=False)
