@@ -117,14 +117,13 @@ def _print_answer(answer: "fs.design.Answer", notes: tuple[str, ...]) -> None:
         lines += [f"{name}: {fact}" for name, fact in text.facts(answer).items()]
     for line in [*lines, *(f"note: {note}" for note in notes)]:
         print_line(line)
-    tables = [text.cases_table(answer.summary, _CASES)]
+    cases, front = text.cases_table(answer.summary, _CASES), text.front_table(answer, _PRINTED)
+    tables = [cases, front]
     if answer.is_recommended:
-        splits = text.splits_table(answer)
-        tables = [text.offers_table(answer), *tables, *([splits] if splits else [])]
-    if answer.result.front.size:
-        tables.append(text.front_table(answer, _PRINTED))
+        tables = [text.offers_table(answer), cases, text.splits_table(answer), front]
     for table in tables:
-        print_table(*table)
+        if table is not None:
+            print_table(*table)
 
 
 def _write(

@@ -7,11 +7,11 @@ from .designs import Designs as Designs
 from .evaluation import evaluate as evaluate
 from .exhaustive_search import SearchResult as SearchResult
 from .exhaustive_search import judge_safety as judge_safety
-from .exhaustive_search import non_dominated as non_dominated
 from .exhaustive_search import search as search
 from .genetic import evolve as evolve
 from .objectives import OBJECTIVES as OBJECTIVES
 from .objectives import Limit as Limit
+from .objectives import non_dominated as non_dominated
 from .objectives import objective as objective
 from .outcome import Outcome as Outcome
 from .scatter import DesignScatter as DesignScatter

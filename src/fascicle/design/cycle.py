@@ -98,11 +98,10 @@ class Cycle:
 
 @dataclass(frozen=True, eq=False)
 class ValveSizing:
-    """Valves of a design for a cycle.
+    """Valves of a design for a `cycle`.
 
-    - `cycle`: what was demanded.
-    - `case`: the load case that needs the largest conductance, counted from 0.
-    - `run_case`: of those that do work, `None` without one.
+    - `case`: the load case that needs the largest conductance, counted from 0; `run_case`: of those
+      that do work, `None` without one.
     - `pressures`: of the units in `run_case` [Pa]; `start`: the share of them that balances the
       load at rest [-].
     - `conductance`: that each unit's valve needs at the `cycle`'s b [m³/(s·Pa)]; 0 for a unit that
@@ -133,19 +132,15 @@ class ValveSizing:
         """Inner diameter of the hoses [m], or `None`."""
         return None if self.line is None else float(self.line.diameter)
 
-    @property
-    def hose_volume(self) -> float:
-        """Volume of a unit's hose [m³]."""
-        return _volume(self.line)
 
-
-def _volume(line: Line | None) -> float:
+def hose_volume(line: Line | None) -> float:
+    """Volume of a hose [m³]."""
     return 0.0 if line is None else float(np.pi / 4 * line.diameter**2 * line.length)
 
 
 class _Contraction(NamedTuple):
-    """Contraction of a design from rest to each load case: `pressure` [Pa] and `volume` [m³] of its
-    units, nodes first, then cases, then units; `supply`: the supply's pressure [Pa].
+    """`pressure` [Pa] and `volume` [m³] of a design's units from rest to each load case, nodes
+    first, then cases, then units; `supply`: the supply's pressure [Pa].
     """
 
     pressure: np.ndarray
@@ -155,7 +150,7 @@ class _Contraction(NamedTuple):
     def times(self, supply: SonicValve, exhaust: SonicValve) -> tuple[np.ndarray, np.ndarray]:
         """Times to fill and to vent each unit in each case [s], with the hose of `supply`."""
         p = self.pressure
-        content = ((p + ATMOSPHERE) * self.volume + p * _volume(supply.line)) / ATMOSPHERE
+        content = ((p + ATMOSPHERE) * self.volume + p * hose_volume(supply.line)) / ATMOSPHERE
         content = np.where(p[-1] > 0, content, 0.0)  # a vented unit breathes with the room
         rise, middle = np.diff(content, axis=0), (p[1:] + p[:-1]) / 2 + ATMOSPHERE
         T, released = ROOM_TEMPERATURE, len(p) - _STEPS + _LEFT - 1
@@ -284,9 +279,9 @@ def _conductances(
 
 
 class CycleRun(NamedTuple):
-    """Result of a run: time after which the load is within the band about the `stroke` [m], as far
-    as its swing allows, `lifted` [s], and after the end of the hold `released` [s]; NaN if it never
-    is. `highest` position [m], and `lowest` one between its arrival and the end of the hold [m].
+    """Times of a run until the load is within the band about the `stroke` [m], `lifted`, and from
+    the end of the hold until it is `released` [s], NaN if it never is; its `highest` position, and
+    the `lowest` one between its arrival and the end of the hold [m].
     """
 
     lifted: float
@@ -352,7 +347,7 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
         bundle,
         HangingMass(mass, stop=Stop(low=0.0, stiffness=stiffness, damping=damping)),
         ConstantSupply(supply, room_pressure=ATMOSPHERE),
-        Isothermal(dead_volume=sizing.hose_volume, room_pressure=ATMOSPHERE),
+        Isothermal(dead_volume=hose_volume(sizing.line), room_pressure=ATMOSPHERE),
         supply_valve,
         exhaust_valve,
     )
@@ -361,7 +356,7 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
     volume = np.array([unit.count * float(unit.muscle.volume(0.0)) for unit in bundle.motor_units])
     # of an open valve [Pa/s]: it throttles from so far on that a step doesn't overshoot the target
     rate = np.asarray(supply_valve.C) * (supply + ATMOSPHERE) * ATMOSPHERE
-    band = np.maximum(_THROTTLING * supply, 2 * dt * rate / (volume + sizing.hose_volume))
+    band = np.maximum(_THROTTLING * supply, 2 * dt * rate / (volume + hose_volume(sizing.line)))
     # up along half a wave, held, and vented
     time = dt * np.arange(round((end + 2 * cycle.release) / dt))[:, None]
     wave = (1 - np.cos(np.pi * np.minimum(time / cycle.lift, 1.0))) / 2

@@ -28,22 +28,11 @@ import numpy as np
 
 from ..core.array_namespace import slices
 from ..core.types import Bool, Float, Int
+from . import objectives
 from .cycle import Cycle
 from .designs import Designs
 from .evaluation import Values, evaluate
-from .objectives import (
-    OBJECTIVES,
-    Limit,
-    Limits,
-    Matrix,
-    as_minimization,
-    non_dominated,
-    other_limits,
-    reaches_task,
-    recorded_objectives,
-    with_reach_limits,
-    within_limits,
-)
+from .objectives import OBJECTIVES, Limit, Limits, Matrix, other_limits, with_reach_limits
 from .scatter import Safety, Spread, Uncertainty, spread
 from .space import Catalog, Space
 from .task import Task
@@ -67,19 +56,16 @@ class SearchResult:
     """Result of a search: evaluated designs, their front, and what is offered of it.
 
     - `values`: an array for each objective [SI], over all recorded designs.
-    - `index`: of these in the space, -1 if sizes lie between those it lists.
+    - `index`: of these in the space, -1 if sizes lie between those it lists; then `unlisted` has
+      them.
     - `allowed`: mask of those that reach the task and keep all limits.
-    - `front`: indices, among the recorded designs, of those that none dominates, best first in the
-      first objective; if none is safe, of nominal sizes.
+    - `front`: indices of the recorded designs that none dominates, best first in the first
+      objective; if none is safe, of nominal sizes.
     - `nearest`: index of the one that comes nearest to the task, or that is surest, if none is
       recommended.
-    - `judged`: number of evaluated designs.
-    - `extra`: further objectives to report.
-    - `catalog`: products and prices.
-    - `least_margin`: relative margin [-] below which the recommended one has a warning.
-    - `unlisted`: the recorded designs, if the space doesn't list them.
+    - `judged`: number of evaluated designs; `extra`: further objectives to report.
     - `safety`: judgement in draws of scatter and the model's error, by `judge_safety`, or `None`.
-    - `cycle`: for which summaries of designs size valves, or `None`.
+    - `catalog`, `least_margin` [-]: as of `search`; `cycle`: for which valves are sized, or `None`.
     """
 
     space: Space
@@ -111,25 +97,23 @@ class SearchResult:
         return self.all_designs(self.front)
 
     def _points_of(self, rows: Rows) -> Matrix:
-        """Objectives [SI] of recorded designs, turned so that smaller is better; with the price
-        [-], if it is known.
-        """
-        points = as_minimization(self.values, self.senses)[rows]
+        """Objectives of recorded designs, and the price if it is known; smaller is better [SI]."""
+        points = objectives.as_minimization(self.values, self.senses)[rows]
         if not self.catalog.is_priced(self.space.drawings):
             return points
         return np.column_stack([points, self.catalog.price(self.all_designs(rows))])
 
     @property
     def points(self) -> Matrix:
-        """The front's objectives, and the price if it is known; smaller is better [SI]."""
+        """The front's objectives, and the price if it is known, smaller is better [SI]."""
         return self._points_of(self.front)
 
     def pareto_front(self, candidates: Rows) -> Rows:
         """Indices of the `candidates` that no other dominates, best first in the first objective;
-        of those that are equal in all objectives, the smallest ones alone.
+        of equal ones the smallest.
         """
         points = self._points_of(candidates)
-        mask = non_dominated(points)
+        mask = objectives.non_dominated(points)
         front, points, size = candidates[mask], points[mask], self._sizes(candidates[mask])
         _, group = np.unique(np.round(points, 12), axis=0, return_inverse=True)
         least = np.full(len(front), np.inf)
@@ -144,9 +128,7 @@ class SearchResult:
 
     @cached_property
     def offers(self) -> dict[str, int]:
-        """Indices on the front of what is offered, by name, the recommended one first; empty if
-        none is recommended.
-        """
+        """Indices on the front of what is offered, by name, the recommended one first."""
         if self.nearest is not None or not self.front.size:
             return {}
         points = self.points
@@ -186,7 +168,7 @@ class SearchResult:
     @property
     def reaches_task(self) -> Bool[np.ndarray, " design"]:
         """Mask of designs that reach the task, whatever other limits they break."""
-        return reaches_task(self.values, self.limits)
+        return objectives.reaches_task(self.values, self.limits)
 
     @property
     def reported_objectives(self) -> tuple[str, ...]:
@@ -219,12 +201,10 @@ def search(
     - `catalog`: products and prices [-]; default: no price is known.
     - `least_margin`: relative margin [-] below which the recommended one has a warning.
 
-    **Returns:** the result.
-
     **Raises:** `ValueError` for unknown objectives.
     """
     senses, limits = USUAL if senses is None else senses, with_reach_limits(limits)
-    names, size, blocks = recorded_objectives(senses, limits, extra), len(space), []
+    names, size, blocks = objectives.recorded_objectives(senses, limits, extra), len(space), []
     for block in slices(size, _BLOCK):
         index = np.arange(size)[block]
         blocks.append(evaluate(space.at(index), task, names))
@@ -246,11 +226,11 @@ def conclude(
     designs: Designs | None = None,
     judged: int | None = None,
 ) -> SearchResult:
-    """Find the front among evaluated designs: the result of a search.
+    """Result of a search: the front among evaluated designs.
 
-    `values`: their objectives, by name [SI], with those of `recorded_objectives`; `designs`: in the
-    order of `values`; default: those of the space; `judged`: number of all evaluated designs [-];
-    default: these; others as of `search`.
+    `values`: their objectives [SI], with those of `recorded_objectives`; `designs`: in the order of
+    `values`; default: those of the space; `judged`: number of all evaluated designs [-]; default:
+    these; others as of `search`.
     """
     limits, catalog = with_reach_limits(limits), catalog or Catalog()
     index = np.arange(len(space)) if designs is None else np.full(len(designs), -1)
@@ -258,9 +238,9 @@ def conclude(
     kinds = [i for i, name in enumerate(space.drawings) if name in excluded]
     kind = index // (len(space) // len(space.drawings)) if designs is None else designs.kind
     permitted = ~np.isin(kind, kinds)
-    allowed, nearest = within_limits(values, limits) & permitted, None
+    allowed, nearest = objectives.within_limits(values, limits) & permitted, None
     if not allowed.any() and len(index):
-        keeps_limits = within_limits(values, other_limits(limits)) & permitted
+        keeps_limits = objectives.within_limits(values, other_limits(limits)) & permitted
         # of those that miss as much, up to rounding, the one with fewer valves
         misses = np.round(values["relative_shortfall"], _DIGITS)
         nearest = int(np.lexsort((values["valves"], misses, ~keeps_limits))[0])
@@ -279,8 +259,8 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
     - `result`: of a search; one without a recommended design is returned as it is.
     - `uncertainty`: what is drawn, and the share of draws in which a design must hold.
 
-    **Returns:** the result with `safety`, and the front of the safe designs; without a recommended
-    design, and with the front as it was, if none holds: the surest one is the `nearest` then.
+    **Returns:** the result with `safety`, and the front of the safe designs; if none holds, with
+    the front as it was, and the surest as the `nearest`.
 
     **Raises:** `ValueError` for draws of a calibrated muscle in a search of several.
     """

@@ -14,17 +14,11 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.types import Float
+from . import objectives
 from .designs import Designs, scaled_designs
 from .evaluation import MIXED, Values, evaluate
 from .exhaustive_search import LEAST_MARGIN, SearchResult, conclude
-from .objectives import (
-    Limits,
-    as_minimization,
-    other_limits,
-    reaches_task,
-    recorded_objectives,
-    with_reach_limits,
-)
+from .objectives import Limits, other_limits, with_reach_limits
 from .space import Catalog, Space, drawing_sizes
 from .task import Task
 
@@ -128,20 +122,21 @@ def evolve(
     from pymoo.optimize import minimize
 
     limits, senses = with_reach_limits(limits), dict(senses)
-    names, decoder = recorded_objectives(senses, limits), GenomeDecoder(space, continuous)
+    names = objectives.recorded_objectives(senses, limits)
+    decoder = GenomeDecoder(space, continuous)
 
     class Search(Problem):
         """Objectives and broken limits of a generation."""
 
         def _evaluate(self, x: np.ndarray, out: dict[str, Any], *_: Any, **__: Any) -> None:
             values = evaluate(decoder.designs(x), task, names, MIXED)
-            out["F"], out["G"] = as_minimization(values, senses), _violations(values, limits)
+            out["F"] = objectives.as_minimization(values, senses)
+            out["G"] = _violations(values, limits)
 
     class Progress(Callback):
         """Number of finished generations, for the caller."""
 
         def notify(self, algorithm: Any) -> None:
-            """Called at the end of each generation."""
             if watch is not None:
                 watch(algorithm.n_iter)
 
@@ -151,7 +146,7 @@ def evolve(
     end: Any = minimize(problem, algorithm, ("n_gen", generations), callback=Progress(), seed=seed)
     designs = decoder.designs(np.asarray(end.pop.get("X"), float))
     # the end result has the resolution of an exhaustive search
-    values = evaluate(designs, task, recorded_objectives(senses, limits, extra))
+    values = evaluate(designs, task, objectives.recorded_objectives(senses, limits, extra))
     return conclude(
         *(space, task, senses, limits, values, extra, catalog, least_margin, designs),
         judged=population * generations,
@@ -162,7 +157,7 @@ def _violations(values: Values, limits: Limits) -> Float[np.ndarray, "design lim
     """Excess over each limit [SI], positive where it is broken; first a column for the task."""
     # a share of points says nothing of how near they are
     miss = np.maximum(values["relative_shortfall"], np.finfo(float).tiny)
-    columns = [np.where(reaches_task(values, limits), -1.0, miss)]
+    columns = [np.where(objectives.reaches_task(values, limits), -1.0, miss)]
     for name, limit in other_limits(limits).items():
         excess = limit.excess(values[name])
         columns.append(np.where(np.isfinite(excess), excess, -1.0))

@@ -13,9 +13,9 @@ state whose largest force is enough covers a force that none below it reaches. W
 a gap between states it is computed. Where units are independent, every choice of those that are
 fed is a state here, and the one that takes least fluid is used.
 
-**Shapes:** points first, then motor units, then designs.
-**Resolution:** regions are taken over a fixed number of throttled pressures. Their edges are
-exact where the force is linear in pressure, that is, wherever the muscle pulls.
+**Shapes:** points first, then motor units, then designs. Regions are taken over a fixed number of
+throttled pressures; their edges are exact where the force is linear in pressure, that is, wherever
+the muscle pulls.
 
 **Reversal.** While a unit's pressure rises from zero, earlier ones at the supply's, the free strain
 may fall: a *reversal*. It is computed on force curves at even strains and every level of the
@@ -58,9 +58,8 @@ class ForceTable(NamedTuple):
     """Table of muscles' forces at the task's points, points first, muscles last.
 
     `vented` and `full`: at no and at the supply's pressure [N]; `levels`: at each throttled level,
-    or the largest over all of them alone [N], on a further axis, which is first; fluid `volume`
-    taken in [m³]; `blocked` force [N]. If computed, `radius` and `bulge` [m] at the task's largest
-    strain.
+    or the largest over all of them alone [N], levels first; fluid `volume` taken in [m³]; `blocked`
+    force [N]. If computed, `radius` and `bulge` [m] at the task's largest strain.
     """
 
     vented: np.ndarray
@@ -72,9 +71,7 @@ class ForceTable(NamedTuple):
     bulge: np.ndarray | None = None
 
     def take(self, index: Int[np.ndarray, "unit design"], factor: PerDesign) -> "ForceTable":
-        """The table of the muscles with an `index` on the last axis, forces `factor` times as large
-        [-].
-        """
+        """The table of muscles with an `index`, with forces `factor` times as large [-]."""
         forces = (self.vented, self.full, self.levels, self.blocked)
         vented, full, levels, blocked = (factor * x[..., index] for x in forces)
         radius, bulge = (x if x is None else x[..., index] for x in (self.radius, self.bulge))
@@ -114,10 +111,8 @@ class Outcome(NamedTuple):
 
 @cache
 def recruitment_states(scheme: AbstractScheme, units: int) -> States:
-    """Recruitment states of a bundle of `units` motor units under a `scheme`.
-
-    With independent units a state for each set of units that the scheme can pressurize;
-    `ValueError` for too many sets.
+    """Recruitment states of so many `units` under a `scheme`; if they are independent, a state for
+    each set of units that it can pressurize, and `ValueError` for too many.
     """
     return states_of(scheme, units).sets(max_sets=MAX_FED_SETS)[0]
 
@@ -143,9 +138,9 @@ def outcome(
     """Outcome of designs at a task's points, each in the state that takes least fluid of those that
     give the demanded force, which is the lowest if states are nested.
 
-    `counts`: muscles in each unit; `table`: of a muscle of each unit, or of one for all units, with
-    every level where states have gaps between them; `length`: of the bundles at rest [m]; `depth`
-    of reversal [-] and `overlap` of states [N], if computed.
+    `counts`: muscles in each unit; `table`: of a muscle of each unit, or of one for all units;
+    `length`: of the bundles at rest [m]; `depth` of reversal [-] and `overlap` of states [N], if
+    computed.
     """
     states, existing = recruitment_states(task.scheme, len(counts)), counts > 0
     has_state = existing_states(task.scheme, counts)
@@ -194,11 +189,8 @@ def _free_strain_falls(
     other_force: np.ndarray, count: np.ndarray, force: np.ndarray, last_strain: float
 ) -> Float[np.ndarray, " unit"]:
     """Largest fall of a bundle's free strain while one unit's pressure rises from zero to the
-    supply's, the other units' being constant [-]; one value for each unit that rises.
-
-    `other_force`: of all other units at even strains [N], a row for each unit; `count`: muscles of
-    the unit; `force`: of one of them at every pressure level [N], levels first, strains last;
-    `last_strain`: the last of the even strains from zero [-].
+    supply's [-], for each unit that rises; `other_force`: of all other units at even strains up to
+    `last_strain` [N]; `count`: muscles of the unit; `force`: of one, by level and strain [N].
     """
     last = other_force.shape[-1] - 1
 
@@ -252,8 +244,8 @@ def reversal_depths(counts: Counts, curves: Curves, top: float, states: States) 
 
 
 def overlaps(counts: Counts, curves: Curves, scheme: AbstractScheme) -> PerDesign:
-    """Overlap of the force ranges of two successive states, of designs of the same muscles [N]: the
-    largest over all strains and pairs of states, forces below zero left out; `curves`: as above.
+    """Overlap of the force ranges of two successive states [N]: the largest over all strains and
+    pairs of states, forces below zero left out; else as `reversal_depths`.
     """
     states, has_state = recruitment_states(scheme, len(counts)), existing_states(scheme, counts)
     # of one muscle the least and the largest force are enough

@@ -7,13 +7,11 @@ another machine. Splits run fastest, so that neighbors share a muscle.
 **Radius.** By one of three rules: `each` gives a muscle's radius; `cross_section` a radius
 $R$ of one muscle whose section all muscles of a design have together,
 $r_i = f_i R / \sqrt{\sum_j n_j f_j^2}$; `packing` the diameter of the circle that they fill
-side by side at rest. The factors $f_i$ give units different radii; they are 1 unless several are
-given.
+side by side at rest. The factors $f_i$ give units different radii.
 
-**Splits.** $N$ equal muscles split into units in an order of recruitment are a composition of $N$:
-each of the $N - 1$ gaps between muscles is cut or not, so there are $2^{N-1}$. Without the order
-they are a partition; its units are then recruited from the smallest to the largest, as
-Henneman's size principle has it.
+**Splits.** $N$ equal muscles split into units in an order of recruitment are one of $2^{N-1}$
+compositions of $N$; without the order they are a partition, recruited from the smallest to the
+largest unit, as Henneman's size principle has it.
 """
 
 import math
@@ -26,17 +24,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core import validation
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy
 from ..core.types import Float, Int
-from ..core.validation import (
-    NEUTRAL_ANGLE,
-    RANGES,
-    check_choice,
-    check_interval,
-    check_plausible,
-    distinct_texts,
-)
+from ..core.validation import RANGES, check_choice, check_interval, distinct_texts
 from ..muscle import Muscle
 from .designs import Designs, packed_radius, pad_rows, scaled_designs
 from .task import Task
@@ -149,19 +141,18 @@ def read_split(text: str) -> tuple[int, ...]:
 
 
 def _width(muscles: int, most_units: int | None) -> int:
-    """Length of a row of splits: the largest number of motor units."""
     return muscles if most_units is None else max(1, min(muscles, most_units))
 
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """Space of designs to search, on grids, with muscles of one of the `drawings`, by name.
+    """Designs to search, on grids, with muscles of one of the `drawings`, by name.
 
     - `muscles`: numbers of them [-].
     - `splits`: "all" compositions, "partitions", or the compositions themselves.
     - `radius`: [m], by `radius_rule`: "each", "cross_section" or "packing".
-    - `length`: [m]; `braid_angle`: [rad]; left empty, the drawing's own.
-    - `wall_ratio`: wall thickness over radius [-]; left empty, the drawing's own.
+    - `length` [m], `braid_angle` [rad], `wall_ratio`, wall thickness over radius [-]; left empty,
+      the drawing's own.
     - `unit_factors`: of a unit's radius [-]; with several, each unit takes any.
     - `most_units`: largest number of motor units [-]; `None` for any.
     """
@@ -193,8 +184,8 @@ class Space:
         ):
             values = check_interval(getattr(self, name), 0.0, largest, name, unit)
             if name in RANGES:
-                check_plausible(values, name)
-        angles, largest = np.degrees(self.braid_angle), math.degrees(NEUTRAL_ANGLE)
+                validation.check_plausible(values, name)
+        angles, largest = np.degrees(self.braid_angle), math.degrees(validation.NEUTRAL_ANGLE)
         check_interval(angles, 0.0, largest, "braid_angle", "deg")
         if isinstance(self.splits, str):
             check_choice(self.splits, SPLITS, "splits")

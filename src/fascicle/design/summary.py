@@ -28,7 +28,7 @@ import numpy as np
 from ..bundle import Bundle
 from ..core.types import Bool, Float, Int
 from ..core.validation import LARGEST_STRAIN
-from .cycle import ATMOSPHERE, Cycle, ValveSizing, size_valves
+from .cycle import ATMOSPHERE, Cycle, ValveSizing, hose_volume, size_valves
 from .designs import Designs, packed_radius
 from .evaluation import evaluate, outcomes
 from .exhaustive_search import SearchResult
@@ -45,11 +45,9 @@ Points = Float[np.ndarray, " point"]
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """Forces, recruitment states and fluid of a bundle at the points of a `task`, its load cases.
+    """A bundle of a `length` [m] at the points of a `task`, its load cases.
 
-    - `length`: of the bundle at rest [m].
-    - `largest`: force that it gives at each [N].
-    - `spare`: that force less the demanded one [N]; negative where it isn't reached.
+    - `largest`: force that it gives at each [N]; `spare`: less the demanded one [N].
     - `state`: that meets it, counted from 1; 0 if it isn't reached.
     - `pressures`: of the units in it, as `recruit` gives them [Pa].
     - `content`: of each unit [m³]: of air in normal volume, of liquid what flows in.
@@ -72,11 +70,6 @@ class Cases:
     def relative(self) -> Points:
         """Force to spare over `Task.reference` of each load case [-]."""
         return self.spare / self.task.reference
-
-    @property
-    def worst(self) -> int:
-        """The load case with the least force to spare over what is demanded [-], counted from 0."""
-        return int(np.argmin(self.relative))
 
     @property
     def fluid(self) -> Points:
@@ -117,11 +110,9 @@ class Summary:
     """Summary of a design; unknown numbers are `None`.
 
     - `label`, `muscles`, `valves`: its composition, and numbers of muscles and valves.
-    - `cases`: its load cases.
     - `diameter`, `diameter_at_rest`: at the largest contraction, vented units bowed out, and at
       rest [m].
-    - `product`: that its muscles are sold as, if any.
-    - `mass`: of whole muscles if the `product` gives it, else of the bladders [kg].
+    - `product`: that its muscles are sold as; `mass`: as it gives, else of the bladders [kg].
     - `price`, `cost_of_a_cycle`: of muscles and valves, and of the fluid, in the catalog's
       currency [-].
     - `sizing`: of valves and hoses for a cycle, if one is demanded.
@@ -146,22 +137,17 @@ class Summary:
 
     @property
     def relative_margin(self) -> float:
-        """The least force to spare over what is demanded, of the load cases that are reached
-        [-]; NaN where none is.
-        """
+        """The least `relative` margin of the load cases that are reached [-]; NaN where none is."""
         relative = self.cases.relative[self.cases.reached]
         return float(relative.min()) if relative.size else np.nan
 
     @property
     def flow(self) -> float:
-        """Air that the cycles of `sizing` take, in normal volume [m³/s], with that of hoses at
-        supply pressure.
-        """
+        """Air that the cycles of `sizing` take, with that of hoses, in normal volume [m³/s]."""
         assert self.sizing is not None
-        task, hoses = self.cases.task, self.sizing.hose_volume
-        fed = np.sum(self.cases.pressures > 0, axis=1)
-        pressurized_units = np.average(fed, weights=task.weight)
-        hose_air = pressurized_units * hoses * task.supply_pressure / ATMOSPHERE
+        task, hoses = self.cases.task, hose_volume(self.sizing.line)
+        pressurized = np.average(np.sum(self.cases.pressures > 0, axis=1), weights=task.weight)
+        hose_air = pressurized * hoses * task.supply_pressure / ATMOSPHERE
         return (self.cases.fluid_of_a_cycle + hose_air) * self.sizing.cycle.per_minute / 60
 
     @property
@@ -188,8 +174,6 @@ def summarize(
     - `catalog`: products and prices [-].
     - `diameter`: of the envelope [m], if it has been computed.
     - `cycle`: for which valves are sized, or `None`.
-
-    **Returns:** the summary.
     """
     design = designs.take(np.array([index]))
     if diameter is None:
@@ -244,8 +228,8 @@ class Splits:
 
 
 def best_splits(result: SearchResult, index: int) -> Splits | None:
-    """Gain and cost of more motor units at the task: the muscles of the recorded design with an
-    `index`, split otherwise; `None` for unlike muscles, and for too many of them.
+    """Gain and cost of more motor units at the task for the muscles of the recorded design with an
+    `index`; `None` for unlike muscles, and for too many of them.
     """
     design, most = result.all_designs(np.array([index])), result.space.most_units
     number = int(design.counts.sum())

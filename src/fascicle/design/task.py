@@ -38,9 +38,9 @@ Points = Float[np.ndarray, " point"]
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """Task of load cases: demanded `force` [N], at `strain` [-] or after `stroke` [m], the other
-    being `None`; `weight` [-], `supply_pressure` [Pa]; the `scheme` of recruitment; `name` and
-    `source` of the figures; `time` [s] of each point, if it has one; the `fluid`.
+    """Load cases: demanded `force` [N], at `strain` [-] or after `stroke` [m], the other being
+    `None`; `weight` [-], `supply_pressure` [Pa]; the `scheme` of recruitment; `name` and `source`
+    of the figures; `time` [s] of each point, if it has one; the `fluid`.
     """
 
     force: Points
@@ -142,9 +142,8 @@ class Task:
         return replace(cls.of(force, strain, supply_pressure, weight, **more), time=t)
 
     def strain_of(self, length: Numbers) -> Points:
-        """Contractions demanded of bundles [-], points first; `length`: at rest [m].
-
-        A stroke that is longer than the bundle is a strain above 1.
+        """Contractions of bundles [-], points first, above 1 for a stroke that is longer than the
+        bundle; `length`: at rest [m].
         """
         if self.strain is not None:
             return np.multiply.outer(self.strain, np.ones_like(length))
@@ -159,9 +158,7 @@ class Task:
 
     @property
     def reference(self) -> Points:
-        """Force that a shortfall is a share of [N]: the demanded force; the task's largest, where
-        none is.
-        """
+        """Force that shares refer to [N]: the demanded one, or the task's largest if none is."""
         return np.where(self.force > 0, self.force, self.force.max())
 
     def __len__(self) -> int:

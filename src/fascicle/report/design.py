@@ -12,20 +12,7 @@ from ..design.objectives import OBJECTIVES, SHARES, Limit, allowed_miss_fraction
 from ..plot.theme import GRAY, SINGLE, VERMILION, new_figure, styled
 from ..plot.workspace import task as draw_task
 from ..units import pretty
-from .design_summary import (
-    MISSED,
-    cases_table,
-    facts,
-    format_objective,
-    front_table,
-    headline,
-    objective_label,
-    offers_table,
-    remedy_lines,
-    splits_table,
-    task_requirement,
-    words,
-)
+from . import design_summary as text
 from .page import mark, picture, render
 
 
@@ -48,21 +35,21 @@ def report(
     duration of the search [s]; `notes`: on omitted products and fit errors.
     """
     result = answer.result
-    cases = cases_table(answer.summary, _CASES)
-    marks = [mark(row[-1] != MISSED, row[-1], row[-1], "fails") for row in cases.rows]
+    cases = text.cases_table(answer.summary, _CASES)
+    marks = [mark(row[-1] != text.MISSED, row[-1], row[-1], "fails") for row in cases.rows]
     rows = [[*row[:-1], result_mark] for row, result_mark in zip(cases.rows, marks, strict=True)]
-    tables = [splits_table(answer), front_table(answer, _SHOWN) if result.front.size else None]
+    tables = (text.splits_table(answer), text.front_table(answer, _SHOWN))
     first = 0 if answer.is_recommended else 1  # the headline has the first finding
     return render(
         "design.html",
-        title=f"Design: {objective_label(result.task.name)}",
+        title=f"Design: {text.objective_label(result.task.name)}",
         date=date,
-        headline=headline(answer),
-        findings=[words(finding, answer) for finding in answer.findings[first:]],
-        changes=remedy_lines(answer),
-        offers=offers_table(answer) if result.offers else None,
+        headline=text.headline(answer),
+        findings=[text.words(finding, answer) for finding in answer.findings[first:]],
+        changes=text.remedy_lines(answer),
+        offers=text.offers_table(answer) if result.offers else None,
         cases=cases._replace(rows=rows),
-        facts=[f"{name}: {text}" for name, text in facts(answer).items()],
+        facts=[f"{name}: {fact}" for name, fact in text.facts(answer).items()],
         tables=[table for table in tables if table is not None],
         plane=picture(plane(answer)),
         trade_offs=picture(trade_offs(answer)) if len(result.front) > 1 else None,
@@ -101,7 +88,9 @@ def trade_offs(answer: Answer) -> Figure:
         for offer, index in result.offers.items():
             ax.plot(x[index], y[index], "o", color=VERMILION, markersize=5)
             ax.annotate(offer, (x[index], y[index]), fontsize=6, rotation=20)
-        x_label, y_label = (f"{objective_label(n)} [{OBJECTIVES[n].unit}]" for n in (first, name))
+        x_label, y_label = (
+            f"{text.objective_label(n)} [{OBJECTIVES[n].unit}]" for n in (first, name)
+        )
         ax.set(xlabel=x_label, ylabel=y_label)
     return figure
 
@@ -139,12 +128,12 @@ def _terms(answer: Answer) -> list[str]:
     result = answer.result
     fraction = allowed_miss_fraction(result.limits)
     hint = "" if fraction else " To allow it to miss a share, write [limits] not_reached."
-    terms = [f"Every design must {task_requirement(result)}.{hint}"]
+    terms = [f"Every design must {text.task_requirement(result)}.{hint}"]
     senses = {"min": ", less is better", "max": ", more is better", None: ", only recorded"}
     for name in dict.fromkeys([*result.reported_objectives, *(SHARES if fraction else ())]):
         limit = result.limits.get(name, Limit())
         bounds = [
-            f"{word} {format_objective(name, bound)}"
+            f"{word} {text.format_objective(name, bound)}"
             for word, bound in (("at least", limit.least), ("at most", limit.most))
             if np.isfinite(bound)
         ]

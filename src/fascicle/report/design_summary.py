@@ -123,7 +123,7 @@ def _nearest_text(answer: Answer, sizes: str) -> str:
         return f"The surest is {sizes}. Its margin at nominal sizes is {margin}."
     if cases.reached.all():
         return f"The nearest reaches every load case: {sizes}."
-    i, missed = cases.worst, int(np.sum(~cases.reached))
+    i, missed = int(np.argmin(cases.relative)), int(np.sum(~cases.reached))
     force, strain = float(cases.largest[i]), cases.task.strain_of(cases.length)[i]
     response = f"it gives {pretty(force, 'force')}" if force > 0 else "it only pushes"
     return (
@@ -157,9 +157,11 @@ def offers_table(answer: Answer) -> Table:
     return _designs_table(result, rows, "Offers", "each offer is safe" if safety else "")
 
 
-def front_table(answer: Answer, most: int) -> Table:
-    """Table of the Pareto front, at most so many designs."""
+def front_table(answer: Answer, most: int) -> Table | None:
+    """Table of the Pareto front, at most so many designs; `None` if there is none."""
     result = answer.result
+    if not result.front.size:
+        return None
     rows = [(int(row), str(i + 1)) for i, row in enumerate(result.front[:most])]
     count = f"{result.judged} designs"
     if result.judged == len(result.index):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Limit, Space, Task, search
-from fascicle.design.exhaustive_search import as_minimization
+from fascicle.design.objectives import as_minimization
 
 
 SENSES = {"mean_efficiency": "max", "valves": "min", "reversal_depth": "min"}

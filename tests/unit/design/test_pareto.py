@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fascicle.design.exhaustive_search import non_dominated
+from fascicle.design.objectives import non_dominated
 
 
 def plain_front(points):
