@@ -71,63 +71,57 @@ def remedies(
     highest = HIGHEST_PRESSURE
     if product is not None and product.largest_pressure is not None:
         highest = min(highest, product.largest_pressure)
-    ends = {"supply_pressure": highest, "muscles": float(_MOST_MUSCLES)}
+    # of each quantity the present value and the end of the range
+    ranges = {
+        "supply_pressure": (task.supply_pressure, highest),
+        "muscles": (float(design.counts.sum()), float(_MOST_MUSCLES)),
+    }
     if product is None:
-        ends |= {"radius": _WIDEST, "braid_angle": float(_STEEPEST)}
+        ranges["radius"] = float(design.radius.max()), _WIDEST
+        ranges["braid_angle"] = float(design.angle.max()), float(_STEEPEST)
     if task.stroke is not None:
-        ends["length"] = _LONGEST
+        ranges["length"] = float(design.length[0]), _LONGEST
     pressures = np.asarray(design.drawing(0).tuning.pressures)
     measured = float(pressures.max()) if pressures.size > 1 else np.inf
-    return [
-        replace(_smallest_change(design, task, *end, limits, uncertainty), measured=measured)
-        for end in ends.items()
+    changes = [
+        _smallest_change(design, task, what, *ends, limits, uncertainty)
+        for what, ends in ranges.items()
     ]
+    return [replace(remedy, measured=measured) for remedy in changes]
 
 
-def _present_values(design: Designs, task: Task) -> dict[str, float]:
-    """Present values that a remedy may change [SI]: all muscles' number and largest radius."""
-    return {
-        "supply_pressure": task.supply_pressure,
-        "muscles": float(design.counts.sum()),
-        "radius": float(design.radius.max()),
-        "braid_angle": float(design.angle.max()),
-        "length": float(design.length[0]),
-    }
-
-
-def _apply_change(design: Designs, task: Task, what: str, value: float) -> tuple[Designs, Task]:
-    """The design and its task with a `value` [SI] of `what`; more muscles join the last unit, radii
-    and walls are scaled by the ratio to the largest.
+def _apply_change(
+    design: Designs, task: Task, what: str, present: float, value: float
+) -> tuple[Designs, Task]:
+    """The design and its task with a `value` [SI] of `what` for the `present` one; more muscles
+    join the last unit, sizes are scaled.
     """
     if what == "supply_pressure":
         return design, replace(task, supply_pressure=value)
-    present = _present_values(design, task)[what]
-    ratio = value / present
-    if what == "length":
-        return replace(design, length=design.length * ratio), task
-    if what == "radius":
-        return replace(design, radius=design.radius * ratio, wall=design.wall * ratio), task
-    if what == "braid_angle":
-        return replace(design, angle=design.angle * ratio), task
-    counts = design.counts.copy()
-    counts[0, -1] += round(value - present)
-    return replace(design, counts=counts), task
+    if what == "muscles":
+        counts = design.counts.copy()
+        counts[0, -1] += round(value - present)
+        return replace(design, counts=counts), task
+    names = {"length": ["length"], "radius": ["radius", "wall"], "braid_angle": ["angle"]}[what]
+    sizes = {name: getattr(design, name) * (value / present) for name in names}
+    return replace(design, **sizes), task
 
 
 def _smallest_change(
     design: Designs,
     task: Task,
     what: str,
+    present: float,
     end: float,
     limits: Limits,
     uncertainty: Uncertainty | None,
 ) -> Remedy:
     """Remedy with the smallest change that holds, on a grid from the present value or between."""
-    present, whole = _present_values(design, task)[what], what == "muscles"
+    whole = what == "muscles"
     limits = {name: limit for name, limit in limits.items() if not (whole and name == "valves")}
 
     def holds(value: float) -> bool:
-        changed = _apply_change(design, task, what, value)
+        changed = _apply_change(design, task, what, present, value)
         as_drawn = bool(within_limits(evaluate(*changed, limits), limits)[0])
         if not as_drawn or uncertainty is None:
             return as_drawn
@@ -142,7 +136,7 @@ def _smallest_change(
     grid = np.unique(grid.round()) if whole else grid
     first = next((i for i, value in enumerate(grid) if holds(float(value))), None)
     if first is None:
-        changes = (_apply_change(design, task, what, float(value)) for value in grid)
+        changes = (_apply_change(design, task, what, present, float(value)) for value in grid)
         reaches = any(reaches_task(evaluate(*x, SHARES), limits)[0] for x in changes)
         return Remedy(what, present, None, float(grid[-1]), reaches)
     low, high = float(grid[max(first - 1, 0)]), float(grid[first])
@@ -220,11 +214,11 @@ def _robustness(design: Designs, task: Task) -> dict[str, float]:
         order = np.argsort(counts[0] == 0, kind="stable")  # zeros last
         sizes = {n: getattr(design, n)[:, order] for n in ("radius", "wall", "angle")}
         variants["failure"] = (replace(design, counts=counts[:, order], **sizes), task, 1.0)
-    margins = {}
-    for key, (variant, changed, factor) in variants.items():
-        values = evaluate(variant, changed, ["relative_margin"], force_factor=factor)
-        margins[key] = float(values["relative_margin"][0])
-    return margins
+    name = "relative_margin"
+    return {
+        key: float(evaluate(variant, changed, [name], force_factor=factor)[name][0])
+        for key, (variant, changed, factor) in variants.items()
+    }
 
 
 def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> list[Finding]:

@@ -117,7 +117,6 @@ def evolve(
     **Raises:** `ValueError` for a space it can't search; `ModuleNotFoundError` without pymoo.
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
-    from pymoo.core.callback import Callback
     from pymoo.core.problem import Problem
     from pymoo.optimize import minimize
 
@@ -133,17 +132,16 @@ def evolve(
             out["F"] = objectives.as_minimization(values, senses)
             out["G"] = _violations(values, limits)
 
-    class Progress(Callback):
-        """Number of finished generations, for the caller."""
-
-        def notify(self, algorithm: Any) -> None:
-            if watch is not None:
-                watch(algorithm.n_iter)
-
     n_limits = 1 + len(other_limits(limits))
     problem = Search(decoder.genes, n_obj=len(senses), n_ieq_constr=n_limits, xl=0.0, xu=1.0)
     algorithm = NSGA2(pop_size=population)
-    end: Any = minimize(problem, algorithm, ("n_gen", generations), callback=Progress(), seed=seed)
+
+    def report(search: Any) -> None:
+        if watch is not None:
+            watch(search.n_iter)
+
+    run: Any = minimize
+    end = run(problem, algorithm, ("n_gen", generations), callback=report, seed=seed)
     designs = decoder.designs(np.asarray(end.pop.get("X"), float))
     # the end result has the resolution of an exhaustive search
     values = evaluate(designs, task, objectives.recorded_objectives(senses, limits, extra))

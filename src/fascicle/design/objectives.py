@@ -84,8 +84,7 @@ def objective(unit: str, sense: str, needs: str = "") -> Callable[[Function], Fu
 def mean_efficiency(outcome: Outcome) -> PerDesign:
     r"""Mean over the task of work over fluid energy [-]: $W/E$, $W = F \varepsilon L_0$, (29).
 
-    Isotonic: the demanded force is the load. Points that ask for no work are left out; one
-    that isn't reached counts as 0. `outcome` [-].
+    Points that ask for no work are left out; one that isn't reached counts as 0. `outcome` [-].
     """
     works = outcome.work > 0
     # a divisor where there is nothing to divide; at work the fluid's volume has grown
@@ -121,17 +120,13 @@ def points_not_reached(outcome: Outcome) -> PerDesign:
 
 @objective("N", "max")
 def margin(outcome: Outcome) -> PerDesign:
-    """Least force to spare over the task's points [N], negative where one isn't reached; the
-    demanded load could be larger by that everywhere.
-    """
+    """Least force to spare over the task's points [N], negative where one isn't reached."""
     return outcome.spare.min(axis=0)
 
 
 @objective("-", "max")
 def relative_margin(outcome: Outcome) -> PerDesign:
-    """Least force to spare over what is demanded there [-], over the task's largest force where
-    nothing is; negative where a point isn't reached.
-    """
+    """Least force to spare over what is demanded there [-], as of `Outcome.reference`."""
     return np.min(outcome.spare / outcome.reference, axis=0)
 
 
@@ -149,9 +144,7 @@ def worst_shortfall(outcome: Outcome) -> PerDesign:
 
 @objective("-", "min")
 def relative_shortfall(outcome: Outcome) -> PerDesign:
-    """Largest shortfall over what is demanded there [-], over the task's largest force where
-    nothing is.
-    """
+    """Largest shortfall over what is demanded there [-], as of `Outcome.reference`."""
     return np.max(outcome.shortfall / outcome.reference, axis=0)
 
 
@@ -163,9 +156,7 @@ def largest_force(outcome: Outcome) -> PerDesign:
 
 @objective("N", "min")
 def force_resolution(outcome: Outcome) -> PerDesign:
-    """Largest step of the blocked force from one fully active state to the next [N], which
-    is what full pressure alone can't tell apart.
-    """
+    """Largest step of the blocked force from one fully active state to the next [N]."""
     return outcome.blocked.max(axis=0)
 
 
