@@ -47,80 +47,19 @@ if TYPE_CHECKING:
     __version__: str
 
 # each name loads what it needs when it is first used: the command line's help needs no JAX,
-# laws need no pint
-_HOMES = {
-    "Bundle": "bundle",
-    "Constant": "muscle",
-    "InvalidInputError": "core.errors",
-    "Joint": "control",
-    "MooneyRivlin": "muscle",
-    "MotorUnit": "bundle",
-    "Muscle": "muscle",
-    "MuscleTable": "muscle",
-    "Switch": "muscle",
-    "Tuning": "muscle",
-    "buckling": "muscle",
-    "calibrate": "",
-    "catalog": "files",
-    "collapse": "muscle",
-    "control": "",
-    "design": "",
-    "dynamics": "",
-    "ends": "muscle",
-    "energetics": "bundle",
-    "example": "files",
-    "examples": "files",
-    "fluid": "",
-    "laws": "",
-    "load": "files",
-    "materials": "muscle",
-    "plot": "",
-    "post_collapse": "muscle",
-    "records": "",
-    "recruitment": "bundle",
-    "reversal": "bundle",
-    "save": "files",
-    "schemes": "bundle",
-    "tables": "results",
-    "tension": "muscle",
+# laws need no pint. A module's names; "" has those that are modules
+_NAMES = {
+    "": "calibrate control design dynamics fluid laws plot records",
+    "bundle": "Bundle MotorUnit energetics recruitment reversal schemes",
+    "control": "Joint",
+    "core.errors": "InvalidInputError",
+    "files": "catalog example examples load save",
+    "muscle": (
+        "Constant MooneyRivlin Muscle MuscleTable Switch Tuning buckling collapse ends "
+        "materials post_collapse tension"
+    ),
+    "results": "tables",
 }
-
-__all__ = [
-    "Bundle",
-    "Constant",
-    "InvalidInputError",
-    "Joint",
-    "MooneyRivlin",
-    "MotorUnit",
-    "Muscle",
-    "MuscleTable",
-    "Switch",
-    "Tuning",
-    "buckling",
-    "calibrate",
-    "catalog",
-    "collapse",
-    "control",
-    "design",
-    "dynamics",
-    "ends",
-    "energetics",
-    "example",
-    "examples",
-    "fluid",
-    "laws",
-    "load",
-    "materials",
-    "plot",
-    "post_collapse",
-    "records",
-    "recruitment",
-    "reversal",
-    "save",
-    "schemes",
-    "tables",
-    "tension",
-]
-
-
+_HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
+__all__ = [*_HOMES]  # noqa: PLE0604  # pyright: ignore[reportUnsupportedDunderAll] the table's
 __getattr__, __dir__ = attach_lazy(__name__, {**_HOMES, "__version__": "version"})

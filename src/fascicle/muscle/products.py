@@ -22,22 +22,11 @@ from ..core.validation import check_positive
 
 
 def thread_sizes(length: Values, thread_length: Values, turns: Values) -> tuple[Batch, Batch]:
-    """Outer radius [m] and braid angle [rad] of a braid.
-
-    **Arguments:**
-
-    - `length`: $L_0$ of the muscle [m].
-    - `thread_length`: $b$ of one thread [m], above the length.
-    - `turns`: $n$ of a thread around the muscle [-].
-
-    **Returns:** outer radius [m] and braid angle [rad].
-
-    **Raises:** `InvalidInputError` for a thread that is shorter than the muscle.
+    """Outer radius [m] and braid angle [rad] of a braid of a `length` $L_0$ [m], from the length
+    $b$ of a thread [m] and its `turns` $n$ [-]; `InvalidInputError` for a thread that is shorter.
     """
-    L, b = (
-        check_positive(length, "length", "m"),
-        check_positive(thread_length, "thread_length", "m"),
-    )
+    L = check_positive(length, "length", "m")
+    b = check_positive(thread_length, "thread_length", "m")
     n = check_positive(turns, "turns", "-")
     if np.any(np.asarray(b) <= L):
         rule = f"must lie above the `length` of {float(np.max(L)):g} m"
@@ -47,17 +36,9 @@ def thread_sizes(length: Values, thread_length: Values, turns: Values) -> tuple[
 
 
 def sleeve_angle(nominal_diameter: Values, nominal_angle: Values, tube_diameter: Values) -> Batch:
-    """Braid angle of a sleeve on a tube [rad].
-
-    **Arguments:**
-
-    - `nominal_diameter`: $D_n$ of the sleeve [m].
-    - `nominal_angle`: its angle from the axis at that diameter [rad].
-    - `tube_diameter`: outer diameter of the tube [m].
-
-    **Returns:** the braid angle on the tube [rad].
-
-    **Raises:** `InvalidInputError` for a tube that the sleeve doesn't go around.
+    """Braid angle [rad] on a tube of an outer `tube_diameter` $D$ [m], of a sleeve that has a
+    `nominal_angle` [rad] at its `nominal_diameter` $D_n$ [m]; `InvalidInputError` for a tube that
+    it doesn't go around.
     """
     D_n = check_positive(nominal_diameter, "nominal_diameter", "m")
     angle = check_positive(nominal_angle, "nominal_angle", "rad")

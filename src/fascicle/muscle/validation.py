@@ -26,7 +26,6 @@ from ..core.validation import (
     warn_user,
 )
 from ..units import exact, pretty
-from .ends import AbstractEnds
 from .materials import MATERIALS, AbstractMaterial
 from .tension import AbstractTension
 from .tuning import Tuning
@@ -73,15 +72,6 @@ def lowest_strain(law: Any) -> Batch:
         return -np.inf
     # fibers that are straight within rounding have no radius, and no finite force
     return (1 - 1 / np.cos(np.asarray(angle))) / np.asarray(ratio) + _STRAIGHT_MARGIN
-
-
-def check_active_length(ends: AbstractEnds, length: Batch) -> None:
-    """Refuse `ends` that take a third of the `length` [m] or more: not much would contract."""
-    ratio = ends.strain_ratio(length)
-    if is_concrete(ratio) and not np.all((np.asarray(ratio) >= 1) & (ratio < _LARGEST_RATIO)):
-        rule = "must be less than a third of `length`"
-        value = getattr(ends, "inactive_length", None)
-        raise InvalidInputError("inactive_length", rule, value, "check its unit")
 
 
 def validate_point(muscle: Any, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
@@ -174,23 +164,23 @@ def validate_braid_angle(value: Values) -> Batch:
 
 def check_muscle(muscle: Any) -> None:
     """Refuse sizes of a `muscle` that can't be together, and warn of those its laws don't fit."""
-    check_wall_thickness(muscle.wall_thickness, muscle.outer_radius)
+    t0, r0, ratio = (
+        muscle.wall_thickness,
+        muscle.outer_radius,
+        muscle.ends.strain_ratio(muscle.length),
+    )
+    if is_concrete(t0, r0) and np.any(np.asarray(t0) >= r0):
+        t0, r0 = np.broadcast_arrays(t0, r0)
+        bad, limit = (float(x[t0 >= r0].flat[0]) for x in (t0, r0))
+        rule, text = "must be less than `outer_radius`", f"{bad:g} m and {limit:g} m"
+        raise InvalidInputError("wall_thickness", rule, bad, shown=text)
     warn_user(proportions_message(muscle.length, muscle.outer_radius))
-    check_active_length(muscle.ends, muscle.length)
+    if is_concrete(ratio) and not np.all((np.asarray(ratio) >= 1) & (ratio < _LARGEST_RATIO)):
+        rule = "must be less than a third of `length`"
+        value = getattr(muscle.ends, "inactive_length", None)
+        raise InvalidInputError("inactive_length", rule, value, "check its unit")
     warn_user(stretched_fibers_message(muscle))
     warn_user(published_range_message(muscle))
-
-
-def check_wall_thickness(wall_thickness: Batch, outer_radius: Batch) -> None:
-    """Refuse a `wall_thickness` [m] that fills the `outer_radius` [m]."""
-    if not is_concrete(wall_thickness, outer_radius):
-        return
-    t0, r0 = np.broadcast_arrays(np.asarray(wall_thickness), np.asarray(outer_radius))
-    if np.any(t0 >= r0):
-        worst = np.argmax(t0 >= r0)
-        bad, text = float(t0.flat[worst]), f"{t0.flat[worst]:g} m and {r0.flat[worst]:g} m"
-        rule = "must be less than `outer_radius`"
-        raise InvalidInputError("wall_thickness", rule, bad, shown=text)
 
 
 def proportions_message(length: Batch, outer_radius: Batch) -> str:
@@ -234,14 +224,14 @@ def published_range_message(muscle: Any, law: type[AbstractTension] | None = Non
     sizes = (muscle.length, muscle.outer_radius, muscle.wall_thickness)
     if not kind.reference_muscle or not is_concrete(*sizes):
         return ""
-    if law is None and not (is_concrete(muscle.tension) and all(
-        np.all(np.asarray(getattr(muscle.tension, constant.name)) == constant.default)
-        for constant in kind.constants()
-    )):  # fmt: skip
+    if law is None and not (is_concrete(muscle.tension) and muscle.tension == kind()):
         return ""
     differences = []
     diameter, length = kind.reference_diameter, kind.reference_length
-    if diameter is not None and not is_nominal_diameter(muscle, diameter):
+    outer = 2 * np.asarray(muscle.outer_radius)  # makers name the inner diameter or the braid's
+    inner = outer - 2 * np.asarray(muscle.wall_thickness)
+    nearest = np.clip(diameter or 0.0, inner, outer)
+    if diameter is not None and np.any(np.abs(diameter - nearest) > _NOMINAL * nearest):
         differences.append(f"{_size_text(2 * muscle.outer_radius)} in diameter")
     if length is not None and np.any(np.abs(np.asarray(muscle.length) / length - 1) > _NOMINAL):
         differences.append(f"{_size_text(muscle.length)} long")
@@ -252,14 +242,6 @@ def published_range_message(muscle: Any, law: type[AbstractTension] | None = Non
         f" {' and '.join(differences)}. Results are an extrapolation unless you recalibrate"
         " (`fascicle calibrate`)."
     )
-
-
-def is_nominal_diameter(muscle: Any, diameter: float) -> bool:
-    """True if a `diameter` [m] lies between a `muscle`'s inner and outer one, to a tolerance."""
-    # makers name the inner diameter or the braid's
-    outer = 2 * np.asarray(muscle.outer_radius)
-    inner = outer - 2 * np.asarray(muscle.wall_thickness)
-    return bool(np.all((inner * (1 - _NOMINAL) <= diameter) & (diameter <= outer * (1 + _NOMINAL))))
 
 
 def _size_text(value: Any) -> str:
