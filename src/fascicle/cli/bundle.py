@@ -254,8 +254,8 @@ def _recruit_joint(
         result = pair.pressures(joint.angle, torques, joint.stiffness)
     heads = ["torque [N·m]", "agonist [kPa]", "antagonist [kPa]", "stiffness [N·m/rad]", "status"]
     rows = [
-        [f"{T:.6g}", kpa(P1), kpa(P2), f"{K:.6g}", f"{code}"]
-        for P1, P2, T, K, code in zip(*result, strict=True)
+        [f"{T:.6g}", kpa(agonist), kpa(antagonist), f"{K:.6g}", f"{code}"]
+        for agonist, antagonist, T, K, code in zip(*result, strict=True)
     ]
     caption = "status: 0 reached, 1 stiffness too high, 2 too low, 3 torque out of reach"
     variables = fs.tables.joint_pressures(result)
