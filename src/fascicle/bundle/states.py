@@ -223,7 +223,7 @@ def resolve_supply_pressure(bundle: Any, supply_pressure: Values = None) -> floa
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
     name, remedy = "supply_pressure", "the bundle has none of its own"
     if supply is None:
-        raise InvalidInputError(name, "must be given in Pa", None, remedy)
+        raise InvalidInputError(name, "must be given, such as 400 kPa", None, remedy)
     P = check_interval(supply, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (False, True))
     return check_scalar(check_plausible(P, name), name)
 

@@ -52,10 +52,8 @@ def bundle(
         print_table("Force by strain", ["strain [-]", *_state_heads(len(states))], rows)
 
     def figure() -> Any:
-        from ..plot.curves import bundle_force_strain, smooth
-
-        pressures = states[0] if len(states) == 1 else states
-        return bundle_force_strain(target, pressures, smooth(strains), resistance)
+        curves, pressures = fs.plot.curves, states[0] if len(states) == 1 else states
+        return curves.bundle_force_strain(target, pressures, curves.smooth(strains), resistance)
 
     outputs.write(variables, table, figure, title=f"Bundle {file}")
     check_equilibria(variables)

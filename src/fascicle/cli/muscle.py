@@ -20,7 +20,7 @@ from . import options
 from .bundle import check_equilibria, print_states
 from .errors import UserError, user_errors
 from .inputs import check_grid, load_laws, read_list, read_muscle, read_states, read_target
-from .options import Text, Texts, argument, complete_target, flag, option, with_options
+from .options import Text, argument, complete_target, flag, option, with_options
 from .outputs import Outputs, check_file, replace_output, write_text
 from .terminal import count_decimals, grid, kpa, number, print_line, print_table, print_text, status
 
@@ -57,9 +57,8 @@ def force(
         blocked = float(muscle.blocked_force(max(pressures)))
 
     def figure() -> Any:
-        from ..plot.curves import force_strain, smooth
-
-        return force_strain(muscle, sorted(set(pressures)), smooth(strains))
+        curves = fs.plot.curves
+        return curves.force_strain(muscle, sorted(set(pressures)), curves.smooth(strains))
 
     title = f"Force of {file}"
     outputs.write(variables, lambda: _print_forces(variables, blocked), figure, title=title)
@@ -94,12 +93,7 @@ def _print_forces(variables: "Mapping[str, results.Variable]", blocked: float) -
 def free_strain(
     outputs: Outputs,
     file: options.Target,
-    pressure: Texts = option(
-        "Gauge pressures: a list or range for a muscle; for a bundle one value or range per motor"
-        " unit (344.7kPa,0kPa); repeat for more.",
-        "LIST",
-        "--pressure -p",
-    ),
+    pressure: options.Pressures = None,
     no_resistance: options.NoResistance = False,
 ) -> None:
     """Compute the free strain of a muscle or a bundle.
@@ -123,12 +117,9 @@ def free_strain(
             variables = fs.tables.muscle_free_strain(target, pressures)
 
     def figure() -> Any:
-        import numpy as np
-
-        from ..plot.curves import free_strain_states
-
+        P = variables["pressures" if is_bundle else "pressure"].values
         strains = variables["free_strain"].values
-        return free_strain_states(target, np.array(pressures), strains, not no_resistance)
+        return fs.plot.curves.free_strain_states(target, P, strains, not no_resistance)
 
     table = print_states if is_bundle else _print_free_strains
     outputs.write(variables, lambda: table(variables), figure, title=f"Free strain of {file}")

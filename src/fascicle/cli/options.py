@@ -91,8 +91,8 @@ Pressure = Annotated[str, _shared(_PRESSURES, "LIST", "--pressure -p")]
 DEFAULT_PRESSURE = "0kPa:413.7kPa:68.95kPa"
 DEFAULT_STRAIN = "0:0.33:0.03"
 _STATES = (
-    "Gauge pressures, a value or range per motor unit: 344.7kPa,0kPa:100kPa:50kPa; repeatable;"
-    " default: the recruitment states at full pressure."
+    "Gauge pressures: of a muscle a list or range, of a bundle a value or range per motor unit,"
+    " 344.7kPa,0kPa:100kPa:50kPa, repeatable; default: its recruitment states at full pressure."
 )
 Pressures = Annotated[Texts, _shared(_STATES, "LIST", "--pressure -p")]
 _STRAINS = "Contractions: 0.1, or 0,0.1, or start:stop:step"
