@@ -30,8 +30,6 @@ def with_profiles(calibration: Calibration) -> Calibration:
     """The `calibration` with profiles of those parameters whose quick interval says nothing."""
     estimates, doubtful = calibration.parameters, calibration.doubtful
     names = [e.name for e in estimates if not e.identifiable and e.name not in doubtful]
-    if not names:
-        return calibration
     return replace(calibration, profiles=profiles(calibration, names=names))
 
 

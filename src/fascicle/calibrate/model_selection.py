@@ -346,15 +346,14 @@ def _pulling_trials(
         trials[frozenset(names)] = trial
         if names and not trial.violation:
             ends[frozenset(names)] = end
-    first, *others = trials.values()
+    candidates = list(trials.values())
     if data.reads_contraction:  # no curves of force
-        return [first, *others], 0.0
+        return candidates, 0.0
     noise = read_curves(muscle, on_length(data, muscle)).noise
-    noise = min(noise, reading_noise(data.record.force))
-    if constants_with_priors:  # a tuning can't take prior knowledge of constants into account
-        return [first, *others], noise
-    tuning = _try_tuning(data, muscle, options.loss, fits_loop(data, (), options))
-    return [first, *tuning, *others], noise
+    if not constants_with_priors:  # a tuning can't take prior knowledge of them into account
+        loop = fits_loop(data, (), options)
+        candidates[1:1] = _try_tuning(data, muscle, options.loss, loop)
+    return candidates, min(noise, reading_noise(data.record.force))
 
 
 def _try_constants(

@@ -18,8 +18,7 @@ from jax.scipy.special import log_ndtr
 
 from ..core.errors import InvalidInputError
 from ..jax import jax
-from .calibration import Calibration
-from .parameters import put, values
+from .calibration import Calibration, value_of
 
 
 INSTALL = "`--posterior` needs the package numpyro: pip install 'fascicle[posterior]'."
@@ -89,7 +88,7 @@ def sample(
     run.run(jax.random.PRNGKey(seed), extra_fields=("diverging",))
     u = run.get_samples(group_by_chain=True)["u"]
     z, curves, noise = jax.vmap(target.unpack)(u.reshape(-1, u.shape[-1]))
-    sampled = np.asarray(jax.vmap(target.values)(z))
+    sampled = np.asarray(jax.vmap(lambda point: value_of(target.problem, point))(z))
     by_chain = sampled.reshape(chains, draws, -1)
     z, curves, noise, r_hat, ess = map(
         np.asarray,
@@ -145,7 +144,3 @@ class _Target:
         prior = jnp.sum(((z - problem.center) / problem.deviation) ** 2)
         prior = prior + jnp.sum(curves**2) + jnp.sum(errors**2)
         return jnp.sum(likelihood) - self.count * jnp.log(noise) - 0.5 * prior
-
-    def values(self, z: Any) -> Any:
-        """Values of the fitted parameters [SI units] at coordinates `z`."""
-        return values(self.problem.parameters, put(self.problem.parameters, self.problem.muscle, z))
