@@ -5,8 +5,8 @@ supply's pressure, the number of muscles in the last motor unit, the radius of a
 their walls in proportion, the braid angle and, where the task asks for a stroke, the muscles'
 length. A design *holds* if it reaches the task and keeps all limits in the demanded share of random
 draws; without scatter, as drawn. The smallest change that holds is searched on a grid from the
-present value to the end of the range, then between the last value that doesn't hold and the first
-that does. So a change that would break a limit isn't among them.
+present value to the end of the range, then between the last that doesn't hold and the first that
+does.
 """
 
 from dataclasses import dataclass, replace
@@ -150,15 +150,11 @@ def _smallest_change(
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """Answer to a search.
-
-    - `result`: of the search; `index`: of the recommended recorded design, or the nearest.
-    - `summary`: of that design; `splits`: its muscles in other numbers of motor units.
-    - `changes`: with which the nearest design would hold the task.
-    - `run`: over time of the recommended one, if valves are sized and JAX is installed.
-    - `robustness`: least relative margin [-] where something is worse: "weaker" muscles by 10 %,
-      "supply" pressure 0.5 bar lower, "failure" of one muscle.
-    - `findings`: what keeps designs from being recommended, or should be known of this one.
+    """Answer to a search: `index` of the recommended recorded design, or the nearest, and its
+    `summary`; its muscles in other numbers of motor units, `splits`; `changes` with which the
+    nearest would hold the task; the `run` over time of the recommended one, if valves are sized and
+    JAX is installed; `robustness`: the least relative margin [-] of "weaker" muscles by 10 %,
+    "supply" pressure 0.5 bar lower, and "failure" of one muscle; `findings`.
     """
 
     result: SearchResult

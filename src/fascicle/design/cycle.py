@@ -15,10 +15,9 @@ least with which both times are kept; without a hose they are inversely proporti
 
 **Assumes** air at 20 °C throughout, a constant supply, no inertia, valves that open at once.
 
-`run_cycle` runs a cycle in time, as a check: proportional valves, each the one that is named, raise
-the units to the pressures that are printed, hold them, and vent them; a mass that weighs the
-demanded force hangs on the bundle and rests on a stop at no contraction. It swings; nothing but the
-valves slows it down.
+`run_cycle` checks a cycle in time: proportional valves, as named, raise the units to the
+pressures that are printed, hold them, and vent them; a mass that weighs the demanded force hangs on
+the bundle, rests on a stop at no contraction, and swings: nothing but the valves slows it down.
 """
 
 from dataclasses import dataclass
@@ -176,10 +175,8 @@ def size_valves(
 ) -> ValveSizing | None:
     """Valves and hoses with which a single design does the load cases that it reaches within the
     times of a `cycle`; `None` if it reaches none. Of more than 64 load cases, those that take most
-    fluid and those with the least margin are run.
-
-    `pressures`: of the units in each load case [Pa]; `fluid`: that each takes [m³]; `margin`:
-    relative margin of each [-]; negative for one that isn't reached.
+    fluid and those with the least margin are run. By load case, `pressures` of the units [Pa],
+    `fluid` [m³], and relative `margin` [-], negative for one that isn't reached.
     """
     (successes,) = np.nonzero((margin >= 0) & (pressures > 0).any(axis=1))
     if not successes.size:
@@ -302,9 +299,7 @@ class CycleRun(NamedTuple):
 
 
 class _PressureControl(Module):
-    """Controller: proportional valves that follow pressures [Pa], and throttle within `band` [Pa]
-    of them.
-    """
+    """Proportional valves that follow pressures [Pa], and throttle within `band` [Pa] of them."""
 
     band: Numbers
 
@@ -364,11 +359,10 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
     run = simulate(plant, _PressureControl(band), share * sizing.pressures, dt=dt)
     position, time = np.asarray(run.outputs.position), np.asarray(run.time)
     held = time <= end
-    highest = float(position.max())
-    (near,) = np.nonzero(held & (position >= (1 - BAND) * stroke))
+    (near,), highest = np.nonzero(held & (position >= (1 - BAND) * stroke)), float(position.max())
     if not near.size:
         return CycleRun(np.nan, np.nan, highest, np.nan, stroke)
-    lowest = float(position[near[0] : int(held.sum())].min())
+    lowest = float(position[near[0] : held.sum()].min())
     down = int(np.flatnonzero(position > _RELEASED * stroke)[-1]) + 1  # it may swing up again
     released = float(time[down] - end) if down < len(position) else np.nan
     return CycleRun(float(time[near[0]]), released, highest, lowest, stroke)

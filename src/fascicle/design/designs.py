@@ -74,11 +74,9 @@ def packed_radius(
 
 @dataclass(frozen=True, eq=False)
 class Designs:
-    """Many designs of bundles as arrays, designs on the first axis.
-
-    `kind`: index of their muscles' drawing, a muscle to be scaled, in `drawings`; `counts`
-    of muscles in each unit, the muscles' `length` [m], and for each unit their outer `radius` [m],
-    thickness of the `wall` [m] and braid `angle` [rad].
+    """Many designs of bundles as arrays, designs on the first axis: `kind`, the index of their
+    muscles' drawing in `drawings`; `counts` of muscles in each unit; the muscles' `length` [m], and
+    for each unit outer `radius` [m], thickness of the `wall` [m] and braid `angle` [rad].
     """
 
     drawings: dict[str, Muscle]
@@ -102,7 +100,7 @@ class Designs:
     def of(cls, muscle: Muscle, counts: Any, name: str = "muscle") -> "Designs":
         """Designs of one `muscle` with a `name`; `counts`: muscles in each unit [-], a row each."""
         n = pad_rows([[int(x) for x in row if x] for row in counts])
-        sizes = [np.full(n.shape, float(getattr(muscle, name))) for name in _SIZES]
+        sizes = [np.full(n.shape, float(getattr(muscle, size))) for size in _SIZES]
         length = np.full(len(n), float(muscle.length))
         return cls({name: muscle}, np.zeros(len(n), int), n, length, *sizes)
 
@@ -143,9 +141,7 @@ class Designs:
         return scaled_muscle(self.drawing(index), np.array([self.length[index], *per_unit]))
 
     def bundle(self, index: int, task: Task | None = None) -> Bundle:
-        """Bundle of the design with an `index`, with all its motor units; with the supply pressure
-        and recruitment scheme of a `task`, if one is given.
-        """
+        """Bundle of the design with an `index`, with supply pressure and scheme of a `task`."""
         shared = self.muscle(index) if self.uniform[index] else None
         units = [
             MotorUnit(self.muscle(index, unit) if shared is None else shared, int(n))
@@ -170,12 +166,9 @@ def scaled_designs(
     return Designs(drawings, kind, counts, length[:, 0], radii, ratio * radii, angle + 0.0 * radii)
 
 
-def pad_rows(
-    rows: Sequence[Sequence[int]], units: int | None = None
-) -> Int[np.ndarray, "design unit"]:
-    """Rows of muscles in each unit [-], filled with zeros to `units` columns or the longest."""
-    width = max(map(len, rows)) if units is None else units
-    counts = np.zeros((len(rows), width), int)
+def pad_rows(rows: Sequence[Sequence[int]]) -> Int[np.ndarray, "design unit"]:
+    """Rows of muscles in each unit [-], filled with zeros to the longest."""
+    counts = np.zeros((len(rows), max(map(len, rows))), int)
     for index, row in enumerate(rows):
         counts[index, : len(row)] = row
     return counts

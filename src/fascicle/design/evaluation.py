@@ -4,11 +4,10 @@ Designs of one drawing are evaluated together, on a table of all the muscles the
 the largest force alone if their states depend on no more, else of the forces at every level.
 
 Levels $u = p/P_s$ are denser at low pressure, $u_i = (i/n)^{3/2}$, where collapse and free
-strain change fastest. A table of every level is the whole force law there. Most designs need only
-the largest force over all levels, and buckling and collapse at few points: past its free strain a
-muscle only pushes, so that where any level pulls the largest force is a pull, of the tension law
-alone. One that is linear in pressure pulls most at the supply's. Where no level pulls, or not that
-of the supply, the whole law is evaluated at every level.
+strain change fastest. Most designs need only the largest force over all levels, and buckling and
+collapse at few points: past its free strain a muscle only pushes, so that where any level pulls the
+largest force is a pull, of the tension law alone. One that is linear in pressure pulls most at the
+supply's. Where that doesn't pull, the whole law is evaluated at every level.
 """
 
 from collections.abc import Collection, Iterable, Iterator
@@ -91,10 +90,7 @@ def outcomes(
     resolution: Resolution | None = None,
     force_factor: Float[np.ndarray, " design"] | float = 1.0,
 ) -> Iterator[tuple[Int[np.ndarray, " batch"], Outcome]]:
-    """Indices and outcome of the designs of each batch.
-
-    `needs`: of the objectives, "size", "curves", both or nothing; others as of `evaluate`.
-    """
+    """Indices and outcome of the designs of each batch; `needs`: of the objectives."""
     if np.any(designs.wall >= designs.radius):
         rule = "must be less than `outer_radius` in every design"
         raise InvalidInputError("wall_thickness", rule, None)

@@ -285,15 +285,11 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
     result = replace(result, **changed)
     row = np.array([result.nearest if result.best is None else result.best])
     alone = _spread_of_rows(result, row, uncertainty, uncertainty.draws, ())
-    draws = _MOST_REPORTED // slower // max(1, len(result.front))
-    draws = max(_DRAWS[0], min(uncertainty.draws, draws))
+    draws = max(_DRAWS[0], min(uncertainty.draws, _MOST_REPORTED // slower // len(result.front)))
     reported = _spread_of_rows(result, result.front, uncertainty, draws, tuple(result.values))
-    number = int(np.sum(~np.isnan(probability)))
-    safety = Safety(
-        *(uncertainty, float(alone.probability[0]), number, complete, reported),
-        nearest_unsafe=surest,
-        nearest_share=np.nan if surest is None else float(probability[surest]),
-    )
+    judged, share = int(np.sum(~np.isnan(probability))), float(alone.probability[0])
+    nearest_share = np.nan if surest is None else float(probability[surest])
+    safety = Safety(uncertainty, share, judged, complete, reported, surest, nearest_share)
     return replace(result, safety=safety)
 
 
@@ -316,11 +312,7 @@ def _probabilities(
 
 
 def _spread_of_rows(
-    result: SearchResult,
-    rows: Rows,
-    uncertainty: Uncertainty,
-    draws: int,
-    names: tuple[str, ...],
+    result: SearchResult, rows: Rows, uncertainty: Uncertainty, draws: int, names: tuple[str, ...]
 ) -> Spread:
     """Spread of the designs with these `rows`; `names` of objectives, but those with curves."""
     drawn = tuple(name for name in names if OBJECTIVES[name].needs != "curves")

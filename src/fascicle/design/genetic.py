@@ -29,12 +29,11 @@ Genomes = Float[np.ndarray, "design gene"]
 
 
 class GenomeDecoder:
-    """Translation of genomes to designs of a space."""
+    """Translation of genomes to designs of a space of one drawing and all compositions, else
+    `ValueError`; `continuous`: true if sizes may lie between those listed.
+    """
 
     def __init__(self, space: Space, continuous: bool):
-        """**Raises:** `ValueError` for a `space` of several drawings, or not of all compositions.
-        `continuous`: true if sizes may lie between those listed.
-        """
         if len(space.drawings) != 1:
             rule, remedy = "must hold one muscle for NSGA-II", "search each in a file of its own"
             raise InvalidInputError("drawings", rule, None, remedy)

@@ -5,9 +5,8 @@ needs beyond the task's points; files, searches, results, reports and the docs r
 are the task's, over their sum.
 
 Every search has the limit that a design reaches all points of the task. `not_reached`, limited, is
-the share of the task that may be missed; it is counted by weight *and* by points, so that a peak
-load that counts a thirtieth can't be lost among the others: with a tenth to miss, one of nine
-points is too many.
+the share of the task that may be missed, by weight *and* by points, so that a peak load that counts
+a thirtieth can't be lost among the others.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -35,8 +34,8 @@ Function = Callable[[Outcome], PerDesign]
 
 
 class Objective(NamedTuple):
-    """A function of an `Outcome`, its unit, the `sense` in which it is better, and what it
-    `needs`: "" for the task's points, "size" for radii and bowing, "curves" for all strains.
+    """A `function`, its unit, the `sense` in which it is better, and what of designs it `needs`:
+    "" for the task's points, "size" for radii and bowing, "curves" for all strains.
     """
 
     function: Function
@@ -169,9 +168,7 @@ def valves(outcome: Outcome) -> PerDesign:
 @objective("m", "min", "size")
 def envelope(outcome: Outcome) -> PerDesign:
     """Diameter of the circle around the muscles at the task's largest strain, with room for the
-    deepest bow of a vented muscle up to there [m].
-
-    Every unit but a lone one can be vented while others contract it, and then bows sideways.
+    deepest bow of a vented muscle up to there [m]; a lone unit is never vented.
     """
     assert outcome.size is not None
     return outcome.size

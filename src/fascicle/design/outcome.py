@@ -82,9 +82,9 @@ class Outcome(NamedTuple):
     """Outcome of designs at the task's points, designs on the last axis.
 
     `force` [N], `weight` [-] and `work` [J] of each demanded point; true where it is `reached`, its
-    `shortfall` [N], the force to `spare` [N], negative where it isn't reached, and the fluid
-    `energy` [J] it takes. `blocked` [N]: each unit's force at rest and full supply; `units`: number
-    of motor units. If computed: `size` [m], the envelope's diameter, `depth` [-] of reversal,
+    `shortfall` and the force to `spare` [N], negative where it isn't reached, and the fluid
+    `energy` [J] it takes. `blocked`: each unit's force at rest and full supply [N]; number of
+    motor `units`. If computed: `size` [m], the envelope's diameter, `depth` [-] of reversal,
     `overlap` [N].
     """
 
@@ -103,9 +103,7 @@ class Outcome(NamedTuple):
 
     @property
     def reference(self) -> Float[np.ndarray, "point 1"]:
-        """Force that a share of a point's force refers to [N]: the demanded force; the task's
-        largest, where none is.
-        """
+        """Force that shares refer to [N]: the demanded one, or the task's largest if none is."""
         return np.where(self.force > 0, self.force, self.force.max())
 
 

@@ -4,9 +4,8 @@ A draw changes the sizes of a bundle's muscles, by fabrication, (D2); the materi
 numbers, from a calibrated muscle's covariance; and all forces by one factor,
 $\exp(\sigma z)$ with a standard normal $z$, the model's error $\sigma$. Calibrated sizes change in
 proportion. **Assumes** that the muscles of a bundle are one batch, whose lengths, walls and braid
-angles deviate alike, and that the model is wrong by the same share everywhere. Deviations of single
-muscles, which average out over a bundle, aren't drawn: so the same muscles are as safe in one motor
-unit as in several.
+angles deviate alike, and that the model is wrong by the same share everywhere: so the same muscles
+are as safe in one motor unit as in several.
 """
 
 from dataclasses import dataclass, replace
@@ -78,8 +77,8 @@ def sample_draws(scatter: Scatter, draws: int, seed: int = 0) -> Draws:
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Spread of objectives over draws: `values` [SI] by name, draws last; `met`: mask of the draws
-    that reach the task and keep all limits.
+    """Objectives over draws: `values` [SI] by name, draws last; `met`: mask of the draws that reach
+    the task and keep all limits.
     """
 
     values: dict[str, Float[np.ndarray, "design draw"]]
@@ -177,14 +176,11 @@ def spread(
     - `task`: what is demanded.
     - `objectives`: by name.
     - `limits`: on objectives, by name [SI], as `search` takes them: all must be reached.
-    - `scatter`: of length and braid angle, with a `DesignScatter` also of the wall and of all
-      forces; default: none.
+    - `scatter`: of fabrication, and with a `DesignScatter` of all forces; default: none.
     - `muscles`: draws of the calibrated drawing, on the first axis of their numbers [-]; default:
       the drawing itself.
     - `draws`: their number [-], the same for every design.
     - `seed`: random seed.
-
-    **Returns:** values over the draws [SI].
 
     **Raises:** `ValueError` for `muscles` and designs of several drawings, and unknown objectives.
     """
@@ -198,9 +194,8 @@ def spread(
     values = {name: np.empty((len(designs), draws)) for name in names}
     for index in np.unique(muscle_of):
         (members,) = np.nonzero(muscle_of == index)
-        batch, nominal = Draws(*(x[members] for x in sample)), designs
-        if muscles is not None:
-            nominal = _calibrated_designs(designs, muscles, int(index))
+        batch = Draws(*(x[members] for x in sample))
+        nominal = designs if muscles is None else _calibrated_designs(designs, muscles, int(index))
         step = max(1, _BATCH // (len(members) * designs.counts.shape[1]))
         for block in slices(len(designs), step):
             drawn = _draw_designs(nominal.take(block), batch)

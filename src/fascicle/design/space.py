@@ -88,8 +88,7 @@ def partitions(muscles: int, most_units: int | None = None) -> Counts:
             for later in rows(total - first, units - 1, first):
                 yield first, *later
 
-    width = _width(muscles, most_units)
-    return pad_rows(list(rows(muscles, width, 1)), width)
+    return pad_rows(list(rows(muscles, _width(muscles, most_units), 1)))
 
 
 def number_of_splits(muscles: int, splits: str, most_units: int | None = None) -> int:

@@ -1,7 +1,6 @@
 r"""One design in detail: its load cases, size, mass, fluid and cost.
 
-Forces are those of its muscles at a table of throttled pressures, added up over the states. The
-*margin* is the least force to spare; the fluid is what flows in from the supply:
+The fluid is what flows in from the supply:
 
 $$V_N = \sum_i n_i \frac{(p_i + p_a) V_i(\varepsilon) - p_a V_i(0)}{p_a} \tag{G3}$$
 

@@ -11,7 +11,7 @@ import copy
 import itertools
 import logging
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
 from pathlib import Path
@@ -41,9 +41,7 @@ _NO_PAGES = {"distributed.scheduler.http.routes": [], "distributed.worker.http.r
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Designs of a `space` to evaluate for a `task`: `names` of the recorded objectives; `block`:
-    number of designs computed together.
-    """
+    """Designs of a `space` for a `task`, `names` of objectives, and designs in a `block`."""
 
     space: Space
     task: Task
@@ -57,10 +55,8 @@ class Study:
 
 
 def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
-    """Make a `folder` for a study's results, or check one to `resume`, and return its array's path.
-
-    **Raises:** `ValueError` for a folder that holds something else, which stays as it is; `OSError`
-    if its file is no regular one.
+    """Make a `folder` for a study's results, or check one to `resume`, and return its array's path;
+    `ValueError` for one that holds something else, `OSError` if its file is no regular one.
     """
     import zarr
     from dask.base import tokenize
@@ -125,15 +121,16 @@ def sweep(
 ) -> Values:
     """Evaluate the missing blocks of a study; returns the values of all designs by objective [SI].
 
-    `path`: of the array, by `open_folder`, the same for all workers; `client`: Dask's, of any
-    deployment, default: this process computes all; `watch`: called with the numbers of finished
-    blocks and of all [-]. Raises `OSError` where a block can't be written, `ConnectionError` where
-    the scheduler or all workers are lost.
+    `path`: of the array, the same for all workers; `client`: Dask's; default: this process computes
+    all; `watch`: called with the numbers of finished blocks and of all [-]. Raises `OSError` where
+    a block can't be written, `ConnectionError` where the scheduler or all workers are lost.
     """
     import zarr
 
     path, missing = path.resolve(), missing_blocks(path, study)
-    results = _distribute(client, study, str(path), missing)
+    results: Iterable[int] = (compute_block(block, study, str(path)) for block in missing)
+    if client is not None:
+        results = _distribute(client, study, str(path), missing)
     for count, _ in enumerate(itertools.chain([None], results)):
         watch(study.blocks - len(missing) + count, study.blocks)
     for draft in path.rglob("*.partial"):  # of killed writers
@@ -142,13 +139,8 @@ def sweep(
     return dict(zip(study.names, array[:].T, strict=True))
 
 
-def _distribute(
-    client: "Client | None", study: Study, path: str, blocks: list[int]
-) -> Iterator[int]:
+def _distribute(client: "Client", study: Study, path: str, blocks: list[int]) -> Iterator[int]:
     """Numbers of `blocks` as workers finish them; those of workers that died run again."""
-    if client is None:
-        yield from (compute_block(block, study, path) for block in blocks)
-        return
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker, as_completed
@@ -167,11 +159,9 @@ def _distribute(
 
 
 @contextlib.contextmanager
-def open_client(
-    scheduler: str | None = None, workers: int | None = None
-) -> Iterator["Client | None"]:
+def open_client(scheduler: str | None, workers: int | None) -> Iterator["Client | None"]:
     """Context of a Dask client of a `scheduler` at an address, "tcp://…", or of `workers` on this
-    machine [-], one for each core by default, which end with it; of none for no `workers`.
+    machine, by default one for each core, which end with it; of none for no `workers`.
 
     Clients of a scheduler can run anything on its workers: the local one asks for a certificate
     that only its own workers have. Raises `ConnectionError` if there are no workers.

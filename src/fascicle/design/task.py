@@ -54,10 +54,6 @@ class Task:
     time: Points | None = None
     fluid: str = "air"
 
-    def __post_init__(self):
-        # `replace` may be given a name; the object equals it
-        object.__setattr__(self, "scheme", scheme_of(self.scheme))
-
     @classmethod
     def of(
         cls,

@@ -119,7 +119,7 @@ def test_a_folder_with_other_content_is_refused(study, tmp_path):
 
 @pytest.mark.parametrize("address", ["nowhere://x", ""])
 def test_an_impossible_scheduler_is_one_line(address):
-    with pytest.raises(ConnectionError) as raised, open_client(address):
+    with pytest.raises(ConnectionError) as raised, open_client(address, None):
         pass
     assert "\n" not in str(raised.value)
 
@@ -128,7 +128,7 @@ def test_a_port_that_never_answers_is_no_scheduler(monkeypatch):
     monkeypatch.setattr("fascicle.design.sweep._CONNECTION_TIME", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        with pytest.raises(ConnectionError) as raised, open_client(address):
+        with pytest.raises(ConnectionError) as raised, open_client(address, None):
             pass
     assert address in str(raised.value)
 
@@ -172,7 +172,7 @@ def test_two_workers_killed_and_everything_killed_twice(tmp_path):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_local_scheduler_refuses_other_clients(tmp_path):
-    with open_client(workers=1) as client:
+    with open_client(None, 1) as client:
         address = client.scheduler.address
         assert address.startswith("tls://127.0.0.1:")
         for stranger in (address, address.replace("tls", "tcp")):
