@@ -19,14 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Bundle", "Equilibria", "MotorUnit", "energetics", "recruitment", "reversal", "schemes"]
 
-_HOMES = {
-    "Bundle": "bundle",
-    "Equilibria": "equilibria",
-    "MotorUnit": "bundle",
-    "energetics": "",
-    "recruitment": "",
-    "reversal": "",
-    "schemes": "",
-}
+_HOMES = {"Bundle": "bundle", "Equilibria": "equilibria", "MotorUnit": "bundle"}
+_HOMES |= dict.fromkeys(("energetics", "recruitment", "reversal", "schemes"), "")
 
 __getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -36,7 +36,6 @@ from ..core.module import (
 )
 from ..core.types import Batch, Int, IntBatch, Numbers, PerUnit, Values, Whole
 from ..core.validation import (
-    LARGEST_STRAIN,
     broadcast_shape,
     check_count,
     check_finite,
@@ -109,7 +108,7 @@ class Bundle(Module):
         **Raises:** `ValueError` for no units, an unknown scheme, unequal lengths without a
         distance between the plates, and lengths that no plates can hold.
         """
-        units = tuple(motor_units)
+        units, supply = tuple(motor_units), supply_pressure
         if not units:
             rule = "must hold at least one motor unit"
             raise InvalidInputError("motor_units", rule, None, shown="none")
@@ -117,7 +116,6 @@ class Bundle(Module):
             if not isinstance(unit, MotorUnit):
                 raise InvalidInputError("motor_units", "must hold MotorUnit objects", unit)
         distance = plate_distance(length, [unit.muscle for unit in units])
-        supply = supply_pressure
         if supply is not None:
             supply = check_gauge_pressure(supply, "supply_pressure")
         self.__attrs_init__(units, supply, scheme_of(scheme), distance)
@@ -167,17 +165,11 @@ class Bundle(Module):
         return tuple(stack_muscles([unit.muscle for unit in self.motor_units]))
 
     def force(self, pressures: Values, strain: Values, resistance: bool = True) -> Batch:
-        """Pulling force of all units, equation (U1).
+        """Pulling force [N] of all units, equation (U1), at gauge `pressures` [Pa], one for each
+        motor unit on the last axis, and the bundle's contraction `strain` [-], which broadcasts.
 
-        **Arguments:**
-
-        - `pressures`: gauge pressures [Pa], one for each motor unit on the last axis.
-        - `strain`: the bundle's contraction $\\varepsilon$ [-]; broadcasts against the rest.
-        - `resistance`: units past their own free strain push back.
-
-        **Returns:** force [N].
-
-        **Raises:** `ValueError` for a wrong number of pressures and values off the domain.
+        Without `resistance` units past their own free strain don't push back. `ValueError` for a
+        wrong number of pressures and values off the domain.
         """
         forces = self.unit_forces(pressures, strain, resistance)
         return array_namespace(forces).sum(forces, axis=-1)
@@ -245,9 +237,6 @@ class Bundle(Module):
 
     def _check_strain(self, strain: Values) -> Batch:
         """The `strain` [-] of the plates as floats, refused off the domain of any muscle."""
-        single = isinstance(strain, float) and self.plate_distance is None
-        if single and 0.0 <= strain <= LARGEST_STRAIN:
-            return np.float64(strain)  # a check of each muscle would take as long as their law
         muscles = [unit.muscle for unit in self.motor_units]
         if self.plate_distance is not None:
             return check_plate_strain(strain, self.plate_distance, muscles)

@@ -62,8 +62,7 @@ _LEVELS = 129  # throttled pressures, between which forces and works are interpo
 _FORCES, _STRAIN_STEP = 80, 1 / 375  # the even grid of the average [R18]
 _ROUNDING = 1e-9  # of an efficiency of 1, which an ideal mesh has
 _PIECE = 1 / 50  # of strain: the fastest decay in use, 100, falls to exp(-2) over it
-# nodes of Gauss's rule on a piece, and on one that is no wider than `_NARROW`: error below 1e-13
-_NODES, _NARROW, _NODES_NARROW = 6, 1 / 250, 4
+_NODES = 6  # of Gauss's rule on a piece: error below 1e-13
 
 Grid = Float[np.ndarray, "force strain"]
 
@@ -83,19 +82,13 @@ def unit_work(
     [Pa], `strain` [-] and `resistance` as for `work`.
     """
     P, eps = bundle._check_pressures(pressures), bundle._check_strain(strain)
-    return _unit_work(bundle, P, eps, resistance)
-
-
-def _unit_work(bundle: "Bundle", pressures: Numbers, strain: Numbers, resistance: bool) -> Numbers:
-    """As `unit_work`, without checks."""
 
     def muscle_work(muscle: PressurizedMuscle, strain: Numbers, start: Numbers) -> Numbers:
         return contraction_work(muscle, strain, start, resistance)
 
     # a muscle that isn't as long as the plates are apart has a strain at rest; its own length
     # times its change of strain is the plates' way all the same
-    muscles = pressurize(bundle, pressures)
-    return bundle.counts * muscles.map_units_over_strain(muscle_work, strain, 0.0 * strain)
+    return bundle.counts * pressurize(bundle, P).map_units_over_strain(muscle_work, eps, 0.0 * eps)
 
 
 def fluid_energy(
@@ -122,10 +115,9 @@ def unit_work_along(
     low, high = strain.min(initial=0.0), strain.max(initial=0.0)
     even = np.linspace(low, high, int(np.ceil((high - low) / _PIECE)) + 1)
     stops = np.concatenate([[0.0], strain, even])
-    nodes = _NODES_NARROW if np.diff(np.sort(stops)).max() <= _NARROW else _NODES
 
     def muscle_work(muscle: PressurizedMuscle, stops: Numbers) -> Numbers:
-        sums = integrate_force(muscle, stops, nodes, resistance)
+        sums = integrate_force(muscle, stops, _NODES, resistance)
         return muscle.column.rest_length * (sums[1 : 1 + strain.size] - sums[:1])
 
     with np.errstate(all="ignore"):  # of branches that aren't taken
@@ -238,16 +230,15 @@ def average_efficiency(
     """Plain mean of the efficiency [-] over the points of its map that a bundle reaches [R18];
     arguments and errors are those of `efficiency_map`: `supply_pressure` [Pa].
     """
-    options = {"resistance": resistance, "scheme": scheme}
-    return efficiency_map(bundle, supply_pressure, path, **options).average
+    return efficiency_map(
+        bundle, supply_pressure, path, resistance=resistance, scheme=scheme
+    ).average
 
 
-def _largest_work(
-    forces: Float[np.ndarray, "level strain"],
-    works: Float[np.ndarray, "level strain"],
-    target: Float[np.ndarray, " force"],
-) -> Grid:
-    """Largest work of the pressures that give a `target` force; NaN if none does."""
+def _largest_work(forces: np.ndarray, works: np.ndarray, target: np.ndarray) -> Grid:
+    """Largest work [J] of the pressures that give a `target` force [N], NaN if none does, from
+    `forces` [N] and `works` [J] over level and strain.
+    """
     force, best = target[:, None], np.full((len(target), forces.shape[1]), -np.inf)
     # level by level: all at once don't fit into the cache
     for (low, high), (start, end) in zip(pairwise(forces), pairwise(works), strict=True):

@@ -80,9 +80,7 @@ def find_first_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> E
 
 
 def usual_count(units: int) -> int:
-    """Number of equilibria for which a result has room at least: each unit adds a dip, which has
-    two. More are rare.
-    """
+    """Least number of equilibria that a result has room for: each unit adds a dip, with two."""
     return 2 * units + 1
 
 
@@ -171,12 +169,10 @@ def _separating_nodes(
     forces, slopes = bundles.take(batch).unit_forces(np.stack([low, high], axis=1))
     third = (high - low)[:, None] / 3
     control = (forces[:, 0] + slopes[:, 0] * third, forces[:, 1] - slopes[:, 1] * third)
-    bounds = [
-        pick(pick(forces[:, 0], forces[:, 1]), pick(*control)) for pick in (np.minimum, np.maximum)
-    ]
-    margin = _MARGIN * (bounds[1] - bounds[0])
-    lowest = (bounds[0] - margin).sum(axis=-1) - load
-    highest = (bounds[1] + margin).sum(axis=-1) - load
+    control = np.stack([forces[:, 0], forces[:, 1], *control])
+    margin = _MARGIN * np.ptp(control, axis=0)
+    lowest = (control.min(axis=0) - margin).sum(axis=-1) - load
+    highest = (control.max(axis=0) + margin).sum(axis=-1) - load
 
     # without an equilibrium the force keeps the sign of its ends
     strains = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _CELLS + 1)

@@ -131,7 +131,13 @@ def recruit(
     with np.errstate(all="ignore"):  # of branches that aren't taken
         curves = StateCurves(bundle, supply, states, bool(resistance))
         if states.independent:
-            result = _least_energy(bundle, curves, F, eps, states)
+            sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
+            volume = unit_volume_change(bundle, eps)
+            parts = [
+                _least_energy(curves, F[i], eps[i], volume[i], sets, owner)
+                for i in slices(F.size, max(1, min(_BATCH, _PAIRS // sets.size)))
+            ]
+            result = tree_map(lambda *x: np.concatenate(x), *parts)
         else:
             roots = find_roots(curves, F, eps)
             pressures = states.pressures(roots.state, roots.level * supply, supply)
@@ -169,7 +175,7 @@ def _best_solution(
 
 
 def _least_energy(
-    bundle: Any, curves: StateCurves, force: Array, strain: Array, states: States
+    curves: StateCurves, force: Array, strain: Array, volume: Array, sets: States, owner: Array
 ) -> RecruitmentResult:
     r"""Pressures of least fluid energy for each `force` [N] and `strain` [-], if each unit has a
     pressure of its own.
@@ -180,26 +186,11 @@ def _least_energy(
     $$F_0 + \sum_{i \in A} (\min_p F_i - F_i(0)) \le F_d \le
       F_0 + \sum_{i \in A} (\max_p F_i - F_i(0)), \tag{B11}$$
 
-    $F_0$ with all units vented. Of all sets that reach a demand, it takes that whose units take in
-    least fluid since rest; of equal ones that with fewer units, then the earlier ones. All its
-    units but the last pull most (below $F_0$: resist most), and the last is throttled, at the
-    lowest pressure that meets the demand; if its force jumps past that, a unit before it.
-    """
-    sets, owner = states.sets(unique_indices(bundle.motor_units)[1])
-    # fluid that flows back counts as nothing: then the fewest units are taken
-    volume = np.maximum(unit_volume_change(bundle, strain), 0.0)
-    parts = [
-        _least_energy_of_batch(curves, force[i], strain[i], volume[i], sets, owner)
-        for i in slices(len(force), max(1, min(_BATCH, _PAIRS // sets.size)))
-    ]
-    return tree_map(lambda *x: np.concatenate(x), *parts)
-
-
-def _least_energy_of_batch(
-    curves: StateCurves, force: Array, strain: Array, volume: Array, sets: States, owner: Array
-) -> RecruitmentResult:
-    """As `_least_energy`, of demands that fit the memory, among `sets` of units, which belong to
-    the states `owner`; `volume`: that each unit takes in [m³].
+    $F_0$ with all units vented. Of all `sets` that reach a demand (`owner`: the state of each),
+    it takes that whose units take in least `volume` [m³] since rest, units last; of equal ones that
+    with fewer units, then the earlier ones. All its units but the last pull most (below $F_0$:
+    resist most), and the last is throttled, at the lowest pressure that meets the demand; if its
+    force jumps past that, a unit before it.
     """
     units, rows, tolerance = len(curves.kind), np.arange(len(force)), CLOSE * (1 + np.abs(force))
     unique, inverse = np.unique(strain, return_inverse=True)  # many demands may share a strain
@@ -211,7 +202,8 @@ def _least_energy_of_batch(
     target = np.clip(force[:, None], low, high)
     miss = np.abs(target - force[:, None])
     is_reached = miss.min(axis=1) <= ROOT_TOLERANCE
-    cost = volume @ sets.pressurized.T.astype(float)
+    # fluid that flows back counts as nothing: then the fewest units are taken
+    cost = np.maximum(volume, 0.0) @ sets.pressurized.T.astype(float)
     cost = np.where(miss <= ROOT_TOLERANCE, cost, np.inf)
     choice = np.argmin(np.where(is_reached[:, None], cost, miss), axis=1)
     target, base = target[rows, choice], base[rows, choice]

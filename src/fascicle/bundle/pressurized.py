@@ -106,8 +106,7 @@ def flatten_batch(
     """A bundle, or a batch of bundles, at `pressures` [Pa], units last, and a `force` [N], which
     broadcast: all with an axis of points ahead of one of length one; and the shape of the points.
     """
-    batch = bundle._batch
-    shape = np.broadcast_shapes(batch, np.shape(pressures)[:-1], np.shape(force))
+    shape = np.broadcast_shapes(bundle._batch, np.shape(pressures)[:-1], np.shape(force))
 
     def flatten(x: Any, *axes: int) -> Any:
         return array_namespace(x).broadcast_to(x, (*shape, *axes)).reshape(-1, 1, *axes)
@@ -118,15 +117,13 @@ def flatten_batch(
     def flatten_table(x: Any) -> Any:
         return flatten(x, np.shape(x)[-1]) if np.ndim(x) > 1 else x
 
-    if batch:
-        muscles = [unit.muscle for unit in bundle.motor_units]
-        muscles = [map_numbers(flatten_number, flatten_table, muscle) for muscle in muscles]
-        units = tuple(
-            with_fields(unit, muscle=muscle, count=flatten_number(unit.count))
-            for unit, muscle in zip(bundle.motor_units, muscles, strict=True)
-        )
+    if bundle._batch:
+        units = []
+        for unit in bundle.motor_units:
+            muscle = map_numbers(flatten_number, flatten_table, unit.muscle)
+            units.append(with_fields(unit, muscle=muscle, count=flatten_number(unit.count)))
         distance = tree_map(flatten_number, bundle.plate_distance)
-        bundle = with_fields(bundle, motor_units=units, plate_distance=distance)
+        bundle = with_fields(bundle, motor_units=tuple(units), plate_distance=distance)
     return (bundle, flatten(pressures, np.shape(pressures)[-1]), flatten(force)), shape
 
 
@@ -138,19 +135,14 @@ def stack_muscles(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Musc
     for i, muscle in enumerate(muscles):
         key = tree_structure(muscle), tuple(map(np.shape, tree_leaves(muscle)))
         groups.setdefault(key, []).append(i)
-    return [(tuple(index), _stack_group([muscles[i] for i in index])) for index in groups.values()]
+    return [(tuple(index), _stack([muscles[i] for i in index])) for index in groups.values()]
 
 
-def _stack_group(muscles: list[Muscle]) -> Muscle:
-    """Muscles of the same laws as one, stacked; repetitions of a single one as that object."""
+def _stack(muscles: list[Muscle]) -> Muscle:
     first = muscles[0]
     if all(muscle is first for muscle in muscles) and first.is_single:
         return first
-    return map_numbers(
-        lambda *row: array_namespace(*row).stack(row, axis=-1),
-        lambda *row: array_namespace(*row).stack(row, axis=-2),
-        *muscles,
-    )
+    return map_numbers(lambda *row: stack(row, axis=-1), lambda *row: stack(row, axis=-2), *muscles)
 
 
 def muscle_strain(ratio: Batch, strain: Batch) -> Batch:
@@ -182,8 +174,17 @@ def plate_distance(length: Values, muscles: Sequence[Muscle]) -> Batch | None:
         return L
     if all(np.array_equal(np.broadcast_arrays(L, x)[0], x) for x in lengths):
         return None
-    if is_concrete(*(muscle.braid_angle for muscle in muscles)):
-        _check_taut(L, muscles)
+    if not is_concrete(*(muscle.braid_angle for muscle in muscles)):
+        return L
+    longest = reduce(np.maximum, map(np.asarray, lengths), np.asarray(L))
+    for i, muscle in enumerate(muscles, start=1):
+        straight = np.asarray(muscle.length) / np.cos(np.asarray(muscle.braid_angle))
+        if np.any(longest >= straight):  # overstretched before another muscle is taut
+            end, value = float(np.min(straight)), float(np.max(longest))
+            limit = f"{end:g} m, where unit {i}'s fibers are straight"
+            rule = f"and the muscles' must stay below {limit}"
+            remedy = "take lengths that are nearer to each other"
+            raise InvalidInputError("length", rule, value, remedy, shown=f"{value:g} m")
     return L
 
 
@@ -196,19 +197,6 @@ def check_plate_strain(strain: Values, length: Batch, muscles: Sequence[Muscle])
     low = reduce(np.maximum, map(plate_strain, ratios, straight))
     high = reduce(np.minimum, [plate_strain(ratio, LARGEST_STRAIN) for ratio in ratios])
     return check_strain(strain, low, high, "(every muscle in its domain, seen from the plates)")
-
-
-def _check_taut(length: Batch, muscles: Sequence[Muscle]) -> None:
-    """Refuse muscles of which one is overstretched before another is taut."""
-    longest = reduce(np.maximum, [np.asarray(m.length) for m in muscles], np.asarray(length))
-    for i, muscle in enumerate(muscles, start=1):
-        straight = np.asarray(muscle.length) / np.cos(np.asarray(muscle.braid_angle))
-        if np.any(longest >= straight):
-            end, value = float(np.min(straight)), float(np.max(longest))
-            limit = f"{end:g} m, where unit {i}'s fibers are straight"
-            rule = f"and the muscles' must stay below {limit}"
-            remedy = "take lengths that are nearer to each other"
-            raise InvalidInputError("length", rule, value, remedy, shown=f"{value:g} m")
 
 
 def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
@@ -233,13 +221,10 @@ def unit_volume_change(bundle: Any, strain: Values) -> PerUnit:
     """Fluid $n_i (V_i(\\varepsilon) - V_i(0))$ [m³] that each motor unit of a `bundle` takes in
     from rest length to `strain` [-], units on the last axis; `ValueError` for compliant ends.
     """
-    units, ratios = bundle.motor_units, bundle.ratios
-    check_volume_by_strain(unit.muscle for unit in units)
-    eps, volumes = bundle._check_strain(strain), []
-    for i, unit in enumerate(units):
-        start, end = 0.0, eps
-        if ratios is not None:
-            start, end = (muscle_strain(ratios[..., i], x) for x in (0.0, eps))
+    check_volume_by_strain(unit.muscle for unit in bundle.motor_units)
+    eps, ratios, volumes = bundle._check_strain(strain), bundle.ratios, []
+    for i, unit in enumerate(bundle.motor_units):
+        start, end = (x if ratios is None else muscle_strain(ratios[..., i], x) for x in (0.0, eps))
         volume = unit.muscle.braid.volume  # the bladder's own doesn't change
         volumes.append(unit.count * (volume(end) - volume(start)))
     return stack(volumes, axis=-1)

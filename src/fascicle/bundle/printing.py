@@ -23,18 +23,18 @@ def bundle_table(bundle: Any) -> ReprTable:
     units, supply = bundle.motor_units, "not given"
     if bundle.supply_pressure is not None:
         supply = range_text(bundle, "supply_pressure", "pressure")
-    muscles = [unit.muscle for unit in units]
-    texts = {
-        "material": (material_text(muscle.material) for muscle in muscles),
-        "laws": map(_laws_text, muscles),
-        "tuning": (tuning_text(muscle.tuning) for muscle in muscles),
-    }
     facts = [
         ("length", range_text(bundle, "length", "length")),
         ("supply pressure", supply),
         ("scheme", bundle.scheme.name),
-        *((name, "; ".join(dict.fromkeys(values))) for name, values in texts.items()),
     ]
+    texts = {
+        "material": lambda muscle: material_text(muscle.material),
+        "laws": _laws_text,
+        "tuning": lambda muscle: tuning_text(muscle.tuning),
+    }
+    for name, text in texts.items():
+        facts.append((name, "; ".join(dict.fromkeys(text(unit.muscle) for unit in units))))
     rows = [
         [str(number), _format_count(unit)]
         + [range_text(unit.muscle, size, dimension) for size, dimension in SIZES.items()]
@@ -47,13 +47,13 @@ def bundle_table(bundle: Any) -> ReprTable:
 
 def bundle_line(bundle: Any) -> str:
     """Python expression of a bundle."""
-    optional = ""
+    texts = [f"{list(bundle.motor_units)!r}"]
     if bundle.supply_pressure is not None and np.ndim(bundle.supply_pressure) == 0:
-        optional += f", supply_pressure={exact(float(bundle.supply_pressure), 'pressure')!r}"
-    optional += f", scheme={bundle.scheme.name!r}"
+        texts.append(f"supply_pressure={exact(float(bundle.supply_pressure), 'pressure')!r}")
+    texts.append(f"scheme={bundle.scheme.name!r}")
     if bundle.plate_distance is not None and np.ndim(bundle.plate_distance) == 0:
-        optional += f", length={exact(float(bundle.plate_distance), 'length')!r}"
-    return f"Bundle({list(bundle.motor_units)!r}{optional})"
+        texts.append(f"length={exact(float(bundle.plate_distance), 'length')!r}")
+    return f"Bundle({', '.join(texts)})"
 
 
 def unit_line(unit: Any) -> str:
@@ -77,9 +77,8 @@ def equilibria_table(equilibria: Any) -> ReprTable:
         pairs = zip(strains[i, mask], stable[i, mask], strict=True)
         texts = [f"{strain:.4f}{'' if is_stable else ' u'}" for strain, is_stable in pairs]
         rows.append([str(i + 1), ", ".join(texts) or "none"])
-    notes = []
-    if np.any(exists & ~stable):
-        notes = ["u: unstable, the force rises with strain there"]
+    unstable = np.any(exists & ~stable)
+    notes = ["u: unstable, the force rises with strain there"] * bool(unstable)
     title = title_with_shape("Equilibria", equilibria.count)
     return ReprTable(title, (), ("point", "strains"), rows, notes)
 
@@ -88,15 +87,12 @@ def recruitment_table(result: Any) -> ReprTable:
     """Pressures for each demand, and whether it is reached."""
     pressures = np.reshape(result.pressures, (-1, np.shape(result.pressures)[-1]))
     columns = (result.force, result.state, result.count, result.status, result.stable)
-    rows = [
-        [
-            format_number(force), str(state), *(format_number(p / 1e3) for p in row), str(count),
-            _STATUS[status], "yes" if stable else "no",
-        ]
-        for row, force, state, count, status, stable in zip(
-            pressures, *map(np.ravel, columns), strict=True
-        )
-    ]  # fmt: skip
+    rows = []
+    for row, force, state, count, status, stable in zip(
+        pressures, *map(np.ravel, columns), strict=True
+    ):
+        texts = [format_number(force), str(state), *(format_number(p / 1e3) for p in row)]
+        rows.append([*texts, str(count), _STATUS[status], "yes" if stable else "no"])
     heads = [f"P{unit + 1} kPa" for unit in range(pressures.shape[1])]
     heads = ("force N", "state", *heads, "solutions", "demand", "stable")
     notes = []
@@ -118,11 +114,9 @@ def solutions_table(solutions: Any) -> ReprTable:
     ]
     notes, unreached = [], np.flatnonzero(~np.any(columns[1], axis=1)) + 1
     if len(unreached):
-        names = ", ".join(map(str, unreached[:_MAX_NAMES]))
-        if len(unreached) > _MAX_NAMES:
-            names += f" and {len(unreached) - _MAX_NAMES} more"
-        if len(unreached) == len(columns[1]) > 1:
-            names = "any"
+        names, more = ", ".join(map(str, unreached[:_MAX_NAMES])), len(unreached) - _MAX_NAMES
+        names += f" and {more} more" if more > 0 else ""
+        names = "any" if len(unreached) == len(columns[1]) > 1 else names
         notes = [f"none for demand {names}: it can't be reached"]
     heads = ("demand", "state", "throttled kPa", "stable")
     return ReprTable(f"Solutions, {len(rows)}", (), heads, rows, notes)
@@ -172,10 +166,8 @@ def efficiency_table(efficiencies: Any) -> ReprTable:
     if np.any(covered):
         row, column = np.unravel_index(np.nanargmax(eta), eta.shape)
         point = f"at {format_number(force[row])} N, strain {strain[column]:.4f}"
-        facts += [
-            ("average", f"{efficiencies.average:.4f}"),
-            ("best", f"{np.nanmax(eta):.4f} {point}"),
-        ]
+        facts.append(("average", f"{efficiencies.average:.4f}"))
+        facts.append(("best", f"{np.nanmax(eta):.4f} {point}"))
     return ReprTable("Efficiency", facts)
 
 

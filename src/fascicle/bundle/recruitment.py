@@ -63,12 +63,11 @@ def pressures_of(
     units: int,
     scheme: AbstractScheme | str = "orderly",
 ) -> Float[np.ndarray, "*levels unit"]:
-    """Pressures of all units [Pa] in a recruitment `state`, counted from 1, of so many `units`,
-    which are on a new last axis.
+    """Pressures of all units [Pa], on a new last axis, in a recruitment `state`, counted from 1, of
+    so many `units` with a `scheme`.
 
-    `level`: the throttled pressure [Pa], of any shape: of unit `state` in orderly recruitment, of
-    all pressurized units in batch and free recruitment; `supply_pressure` [Pa]: of the units before
-    it in orderly recruitment. `ValueError` for a state or `scheme` that doesn't exist.
+    `level`: the throttled pressure [Pa], of any shape; `supply_pressure` [Pa]: of the units that
+    the state holds full. `ValueError` for a state or scheme that doesn't exist.
     """
     states = states_of(scheme_of(scheme), units)
     state = check_whole_number(state, "state", 1, states.size)

@@ -10,7 +10,7 @@ over the level that its throttled units share; if each has its own, between the 
 and of largest. Bundles, their efficiency and designs use it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import chain, product
 from math import prod
 from typing import Any, NamedTuple
@@ -82,9 +82,7 @@ class States(NamedTuple):
         """True if no gap is between the forces of states: each begins (its throttled units vented)
         without any pressure, or as an earlier one begins or ends (its throttled units full).
         """
-        if self.independent:
-            return not self.full.any()
-        return not self.full[self.owns_endpoints[0]].any()
+        return not self.full[self.independent | self.owns_endpoints[0]].any()
 
     @property
     def owns_endpoints(self) -> tuple[StateMask, StateMask]:
@@ -115,14 +113,13 @@ class States(NamedTuple):
     def edges(self, throttled: Numbers, vented: Numbers, full: Numbers) -> tuple[Numbers, Numbers]:
         """Least and largest sum [SI] of every state over levels, from the arguments of `sums`."""
         xp, fixed = array_namespace(throttled, vented, full), self._fixed_sum(vented, full)
-        edges = []
-        for pick in (xp.min, xp.max):
+
+        def edge(pick: Callable[..., Numbers]) -> Numbers:
             if self.independent:
-                edge = self._throttled_sum(pick(throttled, axis=0))
-            else:
-                edge = pick(self._throttled_sum(throttled), axis=0)
-            edges.append(xp.moveaxis(fixed + edge, -1, 0))
-        return edges[0], edges[1]
+                return xp.moveaxis(fixed + self._throttled_sum(pick(throttled, axis=0)), -1, 0)
+            return xp.moveaxis(fixed + pick(self._throttled_sum(throttled), axis=0), -1, 0)
+
+        return edge(xp.min), edge(xp.max)
 
     def sets(
         self, kinds: Sequence[int] | None = None, max_sets: int = MAX_SETS
@@ -230,11 +227,11 @@ def resolve_supply_pressure(bundle: Any, supply_pressure: Values = None) -> floa
 
 def check_single(bundle: Any) -> None:
     """Refuse anything but a `Bundle`, and batches of bundles."""
-    rule, remedy = "must be a Bundle", "build one: fs.Bundle([fs.MotorUnit(muscle)])"
-    description = type(bundle).__name__
-    if hasattr(bundle, "motor_units"):
-        if not bundle._batch:
-            return
-        rule, remedy = "must be a single one here", "build a bundle for each of its muscles"
-        description = f"a batch of shape {bundle._batch}"
+    if not hasattr(bundle, "motor_units"):
+        rule, remedy = "must be a Bundle", "build one: fs.Bundle([fs.MotorUnit(muscle)])"
+        raise InvalidInputError("bundle", rule, bundle, remedy, shown=type(bundle).__name__)
+    if not bundle._batch:
+        return
+    rule, remedy = "must be a single one here", "build a bundle for each of its muscles"
+    description = f"a batch of shape {bundle._batch}"
     raise InvalidInputError("bundle", rule, bundle, remedy, shown=description)

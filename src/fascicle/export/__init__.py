@@ -18,15 +18,8 @@ if TYPE_CHECKING:
     from .page import write_page as write_page
 
 
-_HOMES = {
-    "opensim_element": "opensim",
-    "page_text": "page",
-    "table_code": "c_table",
-    "tabulate": "c_table",
-    "tabulate_controller": "controller",
-    "write_fmu": "fmu",
-    "write_page": "page",
-    "write_table": "c_table",
-}
+_HOMES = dict.fromkeys(("table_code", "tabulate", "write_table"), "c_table")
+_HOMES |= {"opensim_element": "opensim", "page_text": "page", "write_page": "page"}
+_HOMES |= {"tabulate_controller": "controller", "write_fmu": "fmu"}
 
 __getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -1,10 +1,8 @@
 """Header and source file of an export: checks of its object and name, templates, and writing."""
 
-import os
 import re
 from collections.abc import Callable, Mapping
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,6 @@ from ..bundle import Bundle, MotorUnit
 from ..bundle.pressurized import muscle_strain, plate_strain
 from ..core.errors import InvalidInputError
 from ..core.validation import LARGEST_STRAIN, is_concrete
-from ..io.atomic import write_text
 from ..muscle import Muscle
 from ..muscle.table import default_strains
 
@@ -102,15 +99,3 @@ def c_array(values: Any, number: Callable[[Any], str] = repr) -> str:
     if rows and isinstance(rows[0], list):
         return ",\n".join("{" + c_array(row, number) + "}" for row in rows)
     return ", ".join(map(number, rows))
-
-
-def write_c_files(
-    texts: tuple[str, str], folder: str | os.PathLike[str], name: str
-) -> tuple[Path, Path]:
-    """Write header and source into a folder, created if it is missing; returns their paths."""
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = folder / f"{name}.h", folder / f"{name}.c"
-    for path, text in zip(paths, texts, strict=True):
-        write_text(path, text)
-    return paths

@@ -30,6 +30,7 @@ from ..core.errors import InvalidInputError
 from ..core.module import unique_indices
 from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_choice, check_interval
+from ..io.atomic import write_text
 from ..muscle import Muscle
 from ..muscle.table import MuscleTable, force_error_by_strain, volume_errors
 from .c_files import (
@@ -39,7 +40,6 @@ from .c_files import (
     length_ratios,
     render_template,
     table_strains,
-    write_c_files,
 )
 from .controller import tabulate_controller, template_values
 
@@ -90,14 +90,9 @@ class BundleTables(NamedTuple):
         """Limits of strain [-] and pressure [Pa], rounded for comments and messages in C, by their
         names in templates.
         """
-        low, high = self.strains
-        lowest, highest = self.pressures
-        return {
-            "low": f"{low:.6f}",
-            "high": f"{high:.6f}",
-            "lowest_pressure": f"{lowest:.0f}",
-            "highest": f"{highest:.0f}",
-        }
+        low, high = (f"{x:.6f}" for x in self.strains)
+        lowest, highest = (f"{x:.0f}" for x in self.pressures)
+        return {"low": low, "high": high, "lowest_pressure": lowest, "highest": highest}
 
     def code(self, name: str) -> tuple[str, str]:
         """Header and source in C; `name`: prefix of all names."""
@@ -192,7 +187,12 @@ def write_table(
     their paths. Other arguments, `highest_pressure` [Pa] among them, and errors: as `table_code`.
     """
     texts = table_code(target, name, precision, highest_pressure, shape)
-    return write_c_files(texts, folder, name)
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = folder / f"{name}.h", folder / f"{name}.c"
+    for path, text in zip(paths, texts, strict=True):
+        write_text(path, text)
+    return paths
 
 
 def tabulate(

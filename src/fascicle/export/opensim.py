@@ -38,10 +38,8 @@ _ELEMENT = """<!-- {name}, by fascicle: paste it into the ForceSet of a model, a
 
 
 def opensim_element(muscle: Muscle, name: str, supply_pressure: Values) -> str:
-    """XML of a `McKibbenActuator` called `name` with the braid of a `muscle`.
-
-    `supply_pressure`: the highest of its control [Pa]. Raises `InvalidInputError` for a batch of
-    muscles.
+    """XML of a `McKibbenActuator` called `name` with the braid of a single `muscle`, whose highest
+    control is the `supply_pressure` [Pa].
     """
     if np.ndim(muscle.length + muscle.outer_radius + muscle.braid_angle):
         raise InvalidInputError("muscle", "must be a single one, got an array", None)

@@ -187,9 +187,7 @@ class Tendons(AbstractLoad):
         """Zero [N] at any `position` [m]."""
         return 0.0 * position
 
-    def potential(self, position: Batch) -> Batch:
-        """Zero [J] at any `position` [m]."""
-        return 0.0 * position
+    potential = force
 
     @property
     def damper(self) -> Batch:

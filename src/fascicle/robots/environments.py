@@ -187,9 +187,7 @@ class Environment(gymnasium.Env):
         return row.astype(np.float32), info
 
     def render(self) -> Any:
-        """Draw the scene: an image of 480 × 640 in the mode "rgb_array", MuJoCo's viewer in the
-        mode "human".
-        """
+        """Draw the scene: an image of 480 × 640 by "rgb_array", MuJoCo's viewer by "human"."""
         if self.render_mode is None:
             return None
         if self._view is None:
@@ -227,8 +225,9 @@ class Environment(gymnasium.Env):
                 return mujoco.Renderer(self.model, height=480, width=640)
         except (mujoco.FatalError, RuntimeError, ImportError, AttributeError) as error:
             remedy = "set MUJOCO_GL=egl (or osmesa) before MuJoCo is imported"
-            text = f"render_mode 'rgb_array' needs OpenGL: {remedy} ({error})."
-            raise RuntimeError(text) from error
+            raise RuntimeError(
+                f"render_mode 'rgb_array' needs OpenGL: {remedy} ({error})."
+            ) from error
 
     def close(self) -> None:
         """Close the window."""

@@ -47,9 +47,8 @@ class Route(NamedTuple):
 def trace_route(
     model: Any, tendon: str, joint: str | None, ranges: dict[str, Any] | None, points: int
 ) -> Route:
-    """Trace a `tendon` of MuJoCo's compiled `model` over `points` of each joint that moves it.
-
-    Arguments are those of `size`; `InvalidInputError` for unknown names, and a joint without range.
+    """Trace a `tendon` of MuJoCo's compiled `model` over `points` of each joint that moves it;
+    arguments are those of `size`. `InvalidInputError` for unknown names, and joints without range.
     """
     names = [model.tendon(i).name for i in range(model.ntendon)]
     index = names.index(check_choice(tendon, names, "tendon"))

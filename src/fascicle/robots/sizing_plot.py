@@ -30,13 +30,8 @@ def plot_sizing(sizing: Sizing) -> Figure:
     unit = "N·m" if route.hinge else "N"
     loaded = sizing.torque != 0
     right.plot(x, sizing.available_torque[order], color=BLUE, label="available", **line)
-    right.plot(
-        x[loaded[order]],
-        sizing.torque[order][loaded[order]],
-        color=VERMILION,
-        label="asked for",
-        **line,
-    )
+    points = x[loaded[order]], sizing.torque[order][loaded[order]]
+    right.plot(*points, color=VERMILION, label="asked for", **line)
     right.set_ylabel(f"{'Torque' if route.hinge else 'Force'} [{unit}]")
     right.legend()
     for ax in axes[0]:

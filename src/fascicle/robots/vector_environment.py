@@ -73,8 +73,7 @@ class VectorEnvironment(VectorEnv):
         - `num_envs`: number of environments [-].
         - `begin`: function of a random generator of NumPy: returns `qpos`, `qvel` [SI] and the goal
           of an episode, any arrays.
-        - `observe`: function of an `Episode`, traced by JAX: returns the observation, a row of
-          numbers.
+        - `observe`: of an `Episode`, traced by JAX: the observation, a row of numbers.
         - `reward`: likewise, of an `Episode` and the action: a number.
         - `measure`: likewise, of an `Episode`: arrays by name for `info`; or none.
         - `pressures`: of all units, or of each, as an episode begins [Pa].
@@ -213,7 +212,7 @@ def _vector_of(
     kind: type[Environment],
     num_envs: int = 1,
     max_episode_steps: int = 200,
-    render_mode: str | None = None,
+    render_mode: Any = None,
 ) -> VectorEnvironment:
     """Environments of a single one's `kind`, with the same targets, observations and rewards."""
     if render_mode is not None:
@@ -240,9 +239,8 @@ def _vector_of(
         return info | {"forces": forces, "air": fluid.consumption}
 
     functions, space = (begin, observe, reward, measure), box(-1.0, 1.0, 3 + drive.units)
-    return VectorEnvironment(
-        model, drive, num_envs, *functions, START, FRAMES, max_episode_steps, space
-    )
+    options = (START, FRAMES, max_episode_steps, space)
+    return VectorEnvironment(model, drive, num_envs, *functions, *options)
 
 
 antagonistic_joints = partial(_vector_of, AntagonisticJoint)
