@@ -36,8 +36,7 @@ def report(
     """
     result = answer.result
     cases = text.cases_table(answer.summary, _CASES)
-    marks = [mark(row[-1] != text.MISSED, row[-1], row[-1], "fails") for row in cases.rows]
-    rows = [[*row[:-1], result_mark] for row, result_mark in zip(cases.rows, marks, strict=True)]
+    rows = [[*row, mark(last != text.MISSED, last, last, "fails")] for *row, last in cases.rows]
     tables = (text.splits_table(answer), text.front_table(answer, _SHOWN))
     first = 0 if answer.is_recommended else 1  # the headline has the first finding
     return render(
@@ -118,8 +117,8 @@ def sketch(answer: Answer) -> Figure:
         angle += 2 * np.arcsin(min(1.0, largest / ring)) if ring > 0 else 2 * np.pi
     ax.set(xlim=(-1.1 * outer, 1.1 * outer), ylim=(-1.1 * outer, 1.1 * outer), aspect="equal")
     ax.set_axis_off()
-    length, width = summary.cases.length, summary.diameter_at_rest
-    ax.set_title(f"length {pretty(length, 'length')}, diameter {pretty(width, 'length')}")
+    length, width = (pretty(x, "length") for x in (summary.cases.length, 2 * outer))
+    ax.set_title(f"length {length}, diameter {width}")
     return figure
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.findings import Finding
 from ..design.answer import Answer, Remedy
-from ..design.cycle import BAND, WIDEST_BORE, CycleRun, ValveSizing
+from ..design.cycle import BAND, WIDEST_BORE, CycleRun
 from ..design.designs import Designs, label
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import BY_WEIGHT, OBJECTIVES, allowed_miss_fraction
@@ -21,12 +21,7 @@ from ..units import DIMENSIONS, format_digits, pretty
 
 MISSED = "MISSED"
 _DIMENSIONS = {"m": "length", "N": "force", "J": "energy"}  # by an objective's unit
-_REMEDY_DIMENSIONS = {
-    "supply_pressure": "pressure",
-    "radius": "length",
-    "braid_angle": "angle",
-    "length": "length",
-}
+_REMEDY_DIMENSIONS = {"supply_pressure": "pressure", "braid_angle": "angle"}  # else a length
 _LITER = 1e-3  # m³
 _LARGE = 2.0  # share from which a factor reads better than percent
 _ROBUSTNESS = {
@@ -37,7 +32,7 @@ _ROBUSTNESS = {
 
 
 class Table(NamedTuple):
-    """A table for readers: its title, heads, rows and caption."""
+    """A table for readers."""
 
     title: str
     heads: list[str]
@@ -86,9 +81,8 @@ def _muscle_sizes(result: SearchResult, designs: Designs, index: int) -> str:
 
 def _composition(summary: Summary) -> str:
     muscles = f"{summary.muscles} muscle{'s' * (summary.muscles != 1)}"
-    if summary.valves == 1:
-        return f"{muscles} in 1 motor unit"
-    return f"{muscles} in {summary.valves} motor units ({summary.label})"
+    units = f"motor units ({summary.label})" if summary.valves > 1 else "motor unit"
+    return f"{muscles} in {summary.valves} {units}"
 
 
 def headline(answer: Answer) -> list[str]:
@@ -109,10 +103,11 @@ def headline(answer: Answer) -> list[str]:
             f" ({percent(judged.share)} needed); margin {percent(low)} at the 5th percentile;"
             f" standard deviations: {judged.assumptions}."
         )
-    if next(iter(result.offers)) == "cheapest":
-        return [*lines, f"It has the lowest price of muscles and valves of {designs}."]
     objectives = ", ".join(map(objective_label, result.senses))
-    return [*lines, f"It is the best compromise of {objectives} among {designs}."]
+    reason = f"It is the best compromise of {objectives} among {designs}."
+    if "cheapest" in result.offers:
+        reason = f"It has the lowest price of muscles and valves of {designs}."
+    return [*lines, reason]
 
 
 def _nearest_text(answer: Answer, sizes: str) -> str:
@@ -198,12 +193,9 @@ def splits_table(answer: Answer) -> Table | None:
     if splits is None or len(splits.designs) < 2:
         return None
     names = [name for name in splits.values if name != "relative_margin"]
-    rows = [
-        [str(valves), units, *(format_objective(n, float(splits.values[n][i])) for n in names)]
-        for i, (valves, units) in enumerate(
-            zip(splits.designs.units, splits.designs.labels, strict=True)
-        )
-    ]
+    valves, units = map(str, splits.designs.units), splits.designs.labels
+    columns = [[format_objective(n, x) for x in splits.values[n].tolist()] for n in names]
+    rows = list(map(list, zip(valves, units, *columns, strict=True)))
     heads = ["valves", "units", *map(objective_label, names)]
     return Table("The same muscles in more motor units, each number at its best", heads, rows)
 
@@ -260,8 +252,8 @@ def facts(answer: Answer) -> dict[str, str]:
             name = f"{product.name}, {pretty(cases.length, 'length')}"
         lines["product"] = f"{summary.muscles} × {name}{source}"
     if summary.mass is not None:
-        whole = product is not None and product.mass is not None
-        of = "muscles" if whole else "bladders, without braid and fittings"
+        known = product is not None and product.mass is not None
+        of = "muscles" if known else "bladders, without braid and fittings"
         lines["mass"] = f"{pretty(summary.mass, 'mass', 3)} of {of}"
     volume = "normal liters" if fluid == "air" else "liters"
     cycle = "from rest to a load case and back" if cases.task.time is None else "of the task"
@@ -320,20 +312,17 @@ def _valves_text(summary: Summary, run: CycleRun | None) -> str:
         f"; {format_digits(6e4 * summary.flow, 3)} normal liters a minute,"
         f" {format_digits(summary.supply_power, 3)} W of compression"
     )
-    if run is not None and math.isfinite(run.lifted):
-        text += _run_text(run, sizing, float(cases.task.force[sizing.run_case]))
-    return text
-
-
-def _run_text(run: CycleRun, sizing: ValveSizing, force: float) -> str:
+    if run is None or not math.isfinite(run.lifted):
+        return text
     # of the smoothest way up: half a wave of the load's position
-    peak = force * (1 + np.pi**2 * run.stroke / 2 / sizing.cycle.lift**2 / STANDARD_GRAVITY)
+    acceleration = np.pi**2 * run.stroke / 2 / sizing.cycle.lift**2
+    peak = cases.task.force[sizing.run_case] * (1 + acceleration / STANDARD_GRAVITY)
     verdict = "passes" if run.passes(sizing.cycle) else "FAILS"
-    return (
+    return text + (
         f"; run over time at these pressures: {verdict}, lifted after"
         f" {pretty(run.lifted, 'time', 3)}, released after {pretty(run.released, 'time', 3)},"
         f" overshoot {percent(max(run.overshoot, 0.0))} ({percent(BAND)} allowed); peak force"
-        f" with acceleration {pretty(peak, 'force', 3)}"
+        f" with acceleration {pretty(float(peak), 'force', 3)}"
     )
 
 
@@ -343,9 +332,10 @@ def remedy_lines(answer: Answer) -> list[str]:
 
 
 def _remedy_text(remedy: Remedy, answer: Answer) -> str:
-    name, dimension = objective_label(remedy.what), _REMEDY_DIMENSIONS.get(remedy.what, "")
+    name, dimension = objective_label(remedy.what), _REMEDY_DIMENSIONS.get(remedy.what, "length")
     if remedy.value is None:
-        most = pretty(remedy.most, dimension) if dimension else f"{remedy.most:.0f}"
+        is_count = remedy.what == "muscles"
+        most = f"{remedy.most:.0f}" if is_count else pretty(remedy.most, dimension)
         reason = "keeps every limit" if remedy.reaches else "reaches the task"
         reason += " safely" * (answer.result.safety is not None and remedy.reaches)
         return f"{name}: no value up to {most} {reason}."
@@ -367,11 +357,11 @@ def _rounded(value: float, dimension: str, up: bool) -> str:
     """Text of a sufficient value [SI]: four figures, never rounded towards too little."""
     kind = DIMENSIONS[dimension]
     size = float(kind.factors[kind.common])
-    decimals = 3 - math.floor(math.log10(value / size))
+    step = 10.0 ** (math.floor(math.log10(value / size)) - 3) * size
     # a round number must not become the next one
-    scaled = value / size * 10.0**decimals
+    scaled = value / step
     number = math.ceil(scaled * (1 - 1e-12)) if up else math.floor(scaled * (1 + 1e-12))
-    return pretty(number / 10.0**decimals * size, dimension, 4)
+    return pretty(number * step, dimension, 4)
 
 
 def _held_open(data: Mapping[str, Any], answer: Answer) -> str:
