@@ -91,6 +91,10 @@ _CAUSES = {
     "braid_angle": ("a wrong braid angle", ""),
     "outer_radius": ("a wrong radius", ""),
 }  # fmt: skip
+_SHAPES = {
+    "free_strain": "The free strain over the law's is no polynomial of order 3 or less",
+    "blocked_force": "The blocked force is not linear in pressure",
+}
 Data = Mapping[str, Any]
 
 
@@ -284,40 +288,25 @@ def search_lines(solutions: SearchEnds) -> list[str]:
 
 def fit_data_lines(data: FitData) -> list[str]:
     """Readings by their use in the fit, in sentences."""
-    lines = [f"{data.read} readings read"]
-    lines += [f"{count} left out: {reason}" for reason, count in data.left_out.items()]
-    if not data.left_out:
-        lines[0] += ", none left out"
+    ceiling = 0 if data.at_ceiling is None else int(np.sum(data.at_ceiling))
+    levels, pressures = len(data.grid.pressure), np.unique(data.record.pressure).size
+    rows = [(count, f"left out: {reason}") for reason, count in data.left_out.items()]
+    rows += [
+        (data.clipped - ceiling, "are clipped: they only say that the force was not above"
+         f" {floor_text(data.floor)}"),
+        (ceiling, "at the load cell's ceiling: the force was not below it"),
+        (data.noise_clipped, "small forces at strains where the pressure's other readings are"
+         " clipped or do not pull: noise, taken as a force not above zero"),
+        (data.pushes_clipped, f"without a pull, too few to fit the resisting force ({MIN_PUSHES}"
+         " constants): taken as a force not above zero; `--fit tuning` fits it nevertheless"),
+        (data.averaged, f"averaged into {data.means} means for the fit, in steps of strain, each"
+         " branch by itself; errors are those of all readings"),
+        (pressures * (pressures > levels), f"pressures grouped into {_count(levels, 'level')}"),
+    ]  # fmt: skip
+    lines = [f"{data.read} readings read{'' if data.left_out else ', none left out'}"]
     if data.reads_contraction:
         lines.append("loads were set and contractions read: the errors are those of contractions")
-    ceiling = 0 if data.at_ceiling is None else int(np.sum(data.at_ceiling))
-    if data.clipped > ceiling:
-        lines.append(
-            f"{data.clipped - ceiling} are clipped: they only say that the force was not above"
-            f" {floor_text(data.floor)}"
-        )
-    if ceiling:
-        lines.append(f"{ceiling} at the load cell's ceiling: the force was not below it")
-    if data.noise_clipped:
-        lines.append(
-            f"{data.noise_clipped} small forces at strains where the pressure's other readings are"
-            " clipped or do not pull: noise, taken as a force not above zero"
-        )
-    if data.pushes_clipped:
-        lines.append(
-            f"{data.pushes_clipped} without a pull, too few to fit the resisting force"
-            f" ({MIN_PUSHES} constants): taken as a force not above zero; `--fit tuning` fits it"
-            " nevertheless"
-        )
-    if data.averaged:
-        lines.append(
-            f"{data.averaged} averaged into {data.means} means for the fit, in steps of strain,"
-            " each branch by itself; errors are those of all readings"
-        )
-    levels, pressures = len(data.grid.pressure), np.unique(data.record.pressure).size
-    if pressures > levels:
-        lines.append(f"{pressures} pressures grouped into {_count(levels, 'level')}")
-    return lines
+    return lines + [f"{count} {text}" for count, text in rows if count > 0]
 
 
 def floor_text(floor: float) -> str:
@@ -459,11 +448,11 @@ def list_text(names: Sequence[str]) -> str:
 
 def gauge_error_texts(calibration: Calibration) -> list[str]:
     """Errors of the gauges that the readings were corrected for, with intervals."""
-    return [
-        _gauge_text({**finding.data, "name": finding.code.partition(".")[2]})
-        for finding in calibration_findings(calibration)
-        if finding.code.startswith("gauge.")
+    findings = calibration_findings(calibration)
+    errors = [
+        (f.code.removeprefix("gauge."), f.data) for f in findings if f.code.startswith("gauge.")
     ]
+    return [_gauge_text({**data, "name": name}) for name, data in errors]
 
 
 def _gauge_text(data: Data) -> str:
@@ -485,27 +474,23 @@ def _saturation(data: Data) -> str:
 
 
 def _pattern(data: Data) -> str:
+    trends = [f"{along} ({100 * share:.2g} %)" for along, share in data["trends"].items()]
+    signs = "{along} ({changes} of {pairs} pairs change sign)"
+    runs = [signs.format_map(run) for run in data["runs"]]
+    causes = [
+        f"{cause_words(cause)[0]} (would explain {100 * cause['share']:.2g} %)"
+        for cause in data["causes"]
+    ]
     pieces = []
-    if data["trends"]:
-        trends = [f"{along} ({100 * share:.2g} %)" for along, share in data["trends"].items()]
+    if trends:
         pieces.append(
             f"Residuals vary with {list_text(trends)}, in brackets the share of the squared"
             " residuals: an error of the model or of the gauge, not noise."
         )
-    if data["runs"]:
-        runs = [
-            f"{run['along']} ({run['changes']} of {run['pairs']} pairs change sign)"
-            for run in data["runs"]
-        ]
+    if runs:
         pieces.append(f"Neighboring residuals are correlated along {list_text(runs)}.")
-    names = [
-        f"{cause_words(cause)[0]} (would explain {100 * cause['share']:.2g} %)"
-        for cause in data["causes"]
-    ]
-    pieces.append(
-        f"Likely cause: {'; or '.join(names)}." if names else "No known cause would explain it."
-    )
-    return " ".join(pieces)
+    likely = f"Likely cause: {'; or '.join(causes)}."
+    return " ".join([*pieces, likely if causes else "No known cause would explain it."])
 
 
 def _pattern_remedy(data: Data) -> str:
@@ -526,17 +511,6 @@ def _correlated(data: Data) -> str:
     pairs = data["pairs"]
     texts = [f"{' and '.join(p['constants'])} ({p['correlation']:.3f})" for p in pairs]
     return f"Strongly correlated: {'; '.join(texts)}. Do not interpret them individually."
-
-
-def _misfit(data: Data) -> str:
-    shape = {
-        "free_strain": "The free strain over the law's is no polynomial of order 3 or less",
-        "blocked_force": "The blocked force is not linear in pressure",
-    }[data["curve"]]
-    return (
-        f"{shape} within the errors of its readings ({data['ratio']:.3g} times them): the smooth"
-        " curve misses some of them, and its uncertainty is increased."
-    )
 
 
 def _fitted_length(data: Data) -> str:
@@ -631,7 +605,10 @@ _CATALOGUE: dict[str, tuple[int, Part, Part]] = {
         8, lambda data: "Blocked force and free strain could not be read at"
         f" {', '.join(f'{p / 1e3:.4g}' for p in data['pressures'])} kPa: too few readings pull"
         " there.", "measure more strains at these pressures"),
-    "curves.misfit": (8, _misfit, ""),
+    "curves.misfit": (
+        8, lambda data: f"{_SHAPES[data['curve']]} within the errors of its readings"
+        f" ({data['ratio']:.3g} times them): the smooth curve misses some of them, and its"
+        " uncertainty is increased.", ""),
     "use.no_loop": (
         7, "Measured in one direction, or in an unknown one: a muscle in use has a hysteresis loop"
         " of friction, which these errors do not contain.",
