@@ -78,8 +78,8 @@ def work(bundle: "Bundle", pressures: Values, strain: Values, resistance: bool =
 def unit_work(
     bundle: "Bundle", pressures: Values, strain: Values, resistance: bool = True
 ) -> PerUnit:
-    """Work of each motor unit [J], all its muscles, units on the last axis; `bundle`, `pressures`
-    [Pa], `strain` [-] and `resistance` as for `work`.
+    """Work of each motor unit [J], units on the last axis; arguments are those of `work`:
+    `pressures` [Pa] and `strain` [-].
     """
     P, eps = bundle._check_pressures(pressures), bundle._check_strain(strain)
 

@@ -167,8 +167,6 @@ def table_code(
       pressure, or 1 MPa.
     - `shape`: nodes in pressure and in strain; default: 65 and 81, of floats 33 and 41.
 
-    **Returns:** the text of the header, and that of the source.
-
     **Raises:** `ValueError` for a name that C doesn't allow, anything but one muscle or bundle, and
     invalid pressures and shapes.
     """
@@ -201,7 +199,7 @@ def tabulate(
     highest_pressure: Values = None,
     shape: tuple[int, int] | None = None,
 ) -> BundleTables:
-    """Tables of a muscle or bundle; arguments as of `table_code`, `highest_pressure` in Pa."""
+    """Tables of a muscle or bundle; arguments as of `table_code`: `highest_pressure` [Pa]."""
     check_choice(precision, SHAPES, "precision")
     shape = shape or SHAPES[precision]
     if isinstance(target, Cascade):

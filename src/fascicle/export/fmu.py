@@ -72,7 +72,8 @@ def write_fmu(
     sample_time: Values = None,
     platform: str | None = None,
 ) -> Path:
-    """Write a muscle, a bundle or a controller with its bundle as an FMU for co-simulation.
+    """Write a muscle, a bundle or a controller with its bundle as an FMU for co-simulation, to a
+    file whose path it returns.
 
     **Arguments:**
 
@@ -83,8 +84,6 @@ def write_fmu(
       controller's.
     - `platform`: platform of the binary, as FMI names it; default: this one. MinGW builds that of
       Windows elsewhere.
-
-    **Returns:** the path.
 
     **Raises:** `ValueError` as `table_code`, and for a sample time that isn't positive, or an
     unknown platform; `UnbuiltUnitError` if there is no compiler for it: the file is written with

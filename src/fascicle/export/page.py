@@ -72,7 +72,7 @@ def write_page(
     pressures: Sequence[float] = CURVES,
 ) -> Path:
     """Write the page of a muscle or bundle to the file `path`, which it returns; arguments and
-    errors are those of `page_text`, `pressures` in Pa.
+    errors are those of `page_text`: `pressures` [Pa].
     """
     path = Path(path)
     write_text(path, page_text(target, title, pressures))

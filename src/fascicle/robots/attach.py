@@ -123,11 +123,10 @@ def check_model(model: Any, argument: str, kinds: tuple[str, ...]) -> None:
     """Refuse a `model`, called `argument`, that is none of MuJoCo's `kinds`, such as a path."""
     if isinstance(model, tuple(getattr(mujoco, kind) for kind in kinds if hasattr(mujoco, kind))):
         return
+    remedy = "pass `spec.compile()`" if hasattr(model, "compile") else "load one with mujoco"
     if isinstance(model, str | os.PathLike):
         load = "MjSpec.from_file" if kinds[0] == "MjSpec" else "MjModel.from_xml_path"
         remedy = f"load it: mujoco.{load}({str(model)!r})"
-    else:
-        remedy = "pass `spec.compile()`" if hasattr(model, "compile") else "load one with mujoco"
     rule = f"must be MuJoCo's {' or '.join(kinds)}"
     raise InvalidInputError(argument, rule, model, remedy, shown=type(model).__name__)
 

@@ -108,9 +108,8 @@ class Drive(Module):
 
         - `model`: MuJoCo's compiled `MjModel`.
         - `attached`: of each bundle, as returned by `attach`.
-        - `supply`, `chamber`, `valve`: as of a `Plant`; without all three, the command of a step is
-          pressures.
-        - `exhaust_valve`, `spool`: as of a `Plant`.
+        - `supply`, `chamber`, `valve`, `exhaust_valve`, `spool`: as of a `Plant`; without the first
+          three the command of a step is pressures.
         - `highest_pressure`: of a command [Pa]; left out, the bundles' largest supply pressure.
         - `shape`: nodes of the muscles' tables in pressure and strain.
 
@@ -293,10 +292,14 @@ class Drive(Module):
     def act(
         self, fluid: Fluid, lengths: Numbers, command: Numbers, dt: Batch
     ) -> tuple[Fluid, Numbers]:
-        """One step `dt` [s] of the bundles from their `fluid` [SI], with `lengths` of their tendons
-        *in* the step [m], by a `command` of the valves [-] or, without valves, pressures [Pa].
+        """One step of the bundles: the fluid after it [SI], and each bundle's pull in it [N].
 
-        **Returns:** the fluid after the step [SI], and each bundle's pull in the step [N].
+        **Arguments:**
+
+        - `fluid`: before the step [SI].
+        - `lengths`: of the bundles' tendons, of this step [m].
+        - `command`: of the valves [-]; without valves, pressures [Pa].
+        - `dt`: the step [s].
         """
         plant, solve, P = self.plant, self.series.contractions, fluid.pressures
         contraction, start, after = self.rest_lengths - lengths, fluid.contractions, fluid

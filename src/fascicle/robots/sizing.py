@@ -149,7 +149,8 @@ def size(
     - `pressure`: of the supply [Pa].
     - `joint`: name of the torque's joint; may be left out if one joint moves the tendon.
     - `ranges`: ends of joints' coordinates by name [rad or m]; left out, the model's limits.
-    - `points`: of each joint's range [-]. `counts`: numbers in parallel that are tried [-].
+    - `points`: of each joint's range [-].
+    - `counts`: numbers of muscles in parallel that are tried [-].
     - `margin`: least share of pull above the one that is needed [-].
     - `stretch`: strain by which the muscle may be stretched [-].
     - `longest`: length that there is room for [m]; left out, eight strokes, and no more than a
