@@ -87,12 +87,12 @@ class Cycle:
         ):
             if (value := getattr(self, name)) is not None:
                 check_interval(value, 0.0, largest, name, unit)
-        time = self.lift + self.release
-        if time * self.per_minute > 60 * (1 + 1e-9):  # rounding of 60 s
-            shown, largest = distinct_texts(self.per_minute, 60 / time)
+        time, number = self.lift + self.release, self.per_minute
+        if time * number > 60 * (1 + 1e-9):  # rounding of 60 s
+            shown, largest = distinct_texts(number, 60 / time)
             rule = f"must be at most {largest}: each cycle takes {time:g} s"
             remedy = "take fewer, or less time"
-            raise InvalidInputError("per_minute", rule, self.per_minute, remedy, shown=shown)
+            raise InvalidInputError("per_minute", rule, number, remedy, shown=shown)
 
 
 @dataclass(frozen=True, eq=False)

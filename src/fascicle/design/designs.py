@@ -1,7 +1,6 @@
 r"""Designs as arrays: a `Bundle` for each of so many would be too slow.
 
-`counts` are muscles in each unit, zeros last; sizes of units that don't exist repeat those of the
-first, so that they are valid.
+Sizes of units that don't exist, whose counts are 0, repeat those of the first, to be valid.
 
 **Packing.** $N$ equal circles of radius $r$ fit into one of radius $\rho_N r$. The $\rho_N$ up to
 30 are those of the best packings known (proved for $N \le 13$ and $19$; Graham, Lubachevsky,

@@ -155,9 +155,7 @@ def _batches(
 def _force_curves(
     muscle: Muscle, supply: float, resolution: Resolution
 ) -> tuple[float, Float[np.ndarray, "level strain muscle"]]:
-    """Largest free strain of some muscles [-] at the `supply` pressure [Pa], and their forces [N]
-    at every level at even strains up to there.
-    """
+    """Largest free strain of some muscles [-], and their forces [N] at every level up to there."""
     zero = 0.0 * muscle.length
     top = float(np.max(muscle.law.tension.free_strain(supply + zero)))
     strain = top * np.linspace(0.0, 1.0, resolution.strains)[:, None] + zero

@@ -4,9 +4,9 @@ A design dominates another if it is at least as good in every objective and bett
 prices are known, the price of muscles and valves is an objective, too. The front is the set that
 none dominates, found by moocore (López-Ibáñez and others).
 
-Designs that break a limit are left out of the front, not out of the record; to reach the whole
-task is a limit that every search has. Where no design reaches the task, none is recommended; the
-*nearest* misses its worst point by the smallest share of what is demanded there.
+Designs that break a limit, or miss a part of the task, are left out of the front, not out of the
+record. Where none reaches the task, the *nearest* misses its worst point by the smallest share of
+what is demanded there.
 
 **Offers**, each from the front: the *cheapest*, if prices are known; the *simplest*, with the
 fewest valves; the *most efficient*; and the *compromise*, whose worst objective, counted from the
@@ -296,8 +296,8 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
 def _probabilities(
     result: SearchResult, rows: Rows, uncertainty: Uncertainty
 ) -> tuple[Float[np.ndarray, " design"], int]:
-    """Share of draws in which each design with these `rows` holds [-], from as few draws as tell
-    whether it is large enough; and the number of designs in draws that were evaluated.
+    """Share of draws in which each design holds [-], from as few draws as tell whether it is large
+    enough; and the number of designs in draws that were evaluated.
     """
     share, probability, drawn = uncertainty.share, np.empty(len(rows)), 0
     unclear = np.arange(len(rows))

@@ -72,8 +72,8 @@ class GenomeDecoder:
         return scaled_designs(self.space.drawings, kind, counts, factor, sizes)
 
     def _decode_gene(self, values: tuple[float, ...], gene: np.ndarray) -> np.ndarray:
-        """Value for each `gene` in [0, 1], in the unit of `values`: linear from the least to the
-        largest, or if not `continuous` the one listed in the gene's equal share of [0, 1].
+        """Value for each `gene`: linear from the least to the largest, or if not `continuous` the
+        listed one in the gene's equal share of [0, 1].
         """
         if self.continuous:
             return min(values) + gene * (max(values) - min(values))

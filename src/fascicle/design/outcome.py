@@ -8,19 +8,18 @@ is *spare*. The fluid energy is (29) with all units that the state feeds; a poin
 charged as if every unit were fed.
 
 The least force of a state needn't be known where states are joined: vented, a state gives no more
-than an earlier one does when fed, and the first, where nothing is fed, pulls nowhere. So the lowest
-state whose largest force is enough covers a force that none below it reaches. Where a scheme leaves
-a gap between states it is computed. Where units are independent, every choice of those that are
-fed is a state here, and the one that takes least fluid is used.
+than an earlier one does when fed, and the first pulls nowhere. So the lowest state whose largest
+force is enough covers a force that none below it reaches. Where a scheme leaves a gap between
+states it is computed. Where units are independent, every choice of those that are fed is a state.
 
 **Shapes:** points first, then motor units, then designs. Regions are taken over a fixed number of
 throttled pressures; their edges are exact where the force is linear in pressure, that is, wherever
 the muscle pulls.
 
 **Reversal.** While a unit's pressure rises from zero, earlier ones at the supply's, the free strain
-may fall: a *reversal*. It is computed on force curves at even strains and every level of the
-throttled pressure, linear between two strains. The first strain at which the least force of all
-levels vanishes is located first; levels are compared at that strain alone.
+may fall. It is computed on force curves at even strains and every level of the throttled pressure,
+linear between two strains: the first strain at which the least force of all levels vanishes is
+located first; levels are compared at that strain alone.
 
 Where all muscles of a design are equal, its force
 
@@ -109,8 +108,8 @@ class Outcome(NamedTuple):
 
 @cache
 def recruitment_states(scheme: AbstractScheme, units: int) -> States:
-    """Recruitment states of so many `units` under a `scheme`; if they are independent, a state for
-    each set of units that it can pressurize, and `ValueError` for too many.
+    """Recruitment states of so many `units`; of independent ones the sets that can be pressurized,
+    `ValueError` for too many.
     """
     return states_of(scheme, units).sets(max_sets=MAX_FED_SETS)[0]
 
@@ -212,10 +211,8 @@ def _free_strain_falls(
 
 
 def reversal_depths(counts: Counts, curves: Curves, top: float, states: States) -> PerDesign:
-    """Reversal depth of designs of the same muscles [-], unit after unit as they are recruited.
-
-    `curves`: force of the muscle of each unit, or of one for all units, at every level and even
-    strain [N]; `top`: the last of the strains [-].
+    """Reversal depth of designs of the same muscles [-]; `curves`: force of each unit's, or of one
+    for all units, at every level and even strain up to `top` [N].
     """
     n = counts[states.order]
     before = n.cumsum(axis=0) - n

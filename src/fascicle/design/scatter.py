@@ -9,7 +9,6 @@ are as safe in one motor unit as in several.
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import NamedTuple
 
 import attrs
@@ -37,7 +36,6 @@ _LARGEST_SCATTER = 0.5  # of a wall or the model's error; more is a slip
 _BATCH = 2**20  # units of designs in all draws that are in memory together: some 100 megabytes
 
 _CLOSED = (True, True)
-_share = partial(interval_field, low=0.0, high=_LARGEST_SCATTER, closed=_CLOSED, default=0.0)
 
 
 @attrs.frozen(slots=False)
@@ -46,8 +44,10 @@ class DesignScatter(Scatter):
     `braid_angle` [rad], and of the logarithm of all forces, `model_error` [-].
     """
 
-    wall_thickness: Values = _share("wall_thickness")
-    model_error: Values = _share("model_error")
+    wall_thickness: Values = interval_field(
+        "wall_thickness", 0.0, _LARGEST_SCATTER, _CLOSED, default=0.0
+    )
+    model_error: Values = interval_field("model_error", 0.0, _LARGEST_SCATTER, _CLOSED, default=0.0)
 
 
 # of a task file without [scatter]; the docs (design, Uncertainty) say why

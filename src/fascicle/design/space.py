@@ -4,10 +4,10 @@ on sale, and prices. A missing price is never guessed.
 A design is determined by its index alone: a search can be cut into blocks, and a block repeated on
 another machine. Splits run fastest, so that neighbors share a muscle.
 
-**Radius.** By one of three rules: `each` gives a muscle's radius; `cross_section` a radius
-$R$ of one muscle whose section all muscles of a design have together,
-$r_i = f_i R / \sqrt{\sum_j n_j f_j^2}$; `packing` the diameter of the circle that they fill
-side by side at rest. The factors $f_i$ give units different radii.
+**Radius.** By one of three rules: `each` gives a muscle's radius; `cross_section` a radius $R$ of
+one muscle whose section all muscles of a design have together,
+$r_i = f_i R / \sqrt{\sum_j n_j f_j^2}$; `packing` the diameter of the circle that they fill side by
+side. Factors $f_i$ give units different radii.
 
 **Splits.** $N$ equal muscles split into units in an order of recruitment are one of $2^{N-1}$
 compositions of $N$; without the order they are a partition, recruited from the smallest to the
@@ -193,8 +193,8 @@ class Space:
                 raise InvalidInputError("muscles", rule, None, shown="none")
             check_splits(dict.fromkeys(self.muscles), self.splits, self.most_units)
         if not len(self._units_and_scales[0]):
-            rule = f"the space is empty: no split has {self.most_units} motor units or fewer."
-            raise ValueError(rule)
+            most = f"{self.most_units} motor units or fewer"
+            raise ValueError(f"the space is empty: no split has {most}.")
 
     def __getstate__(self) -> dict:
         # without cached properties, which can be a thousand times larger. Drawings as NumPy's:
@@ -218,9 +218,8 @@ class Space:
         return scaled_designs(self.drawings, kind, counts[shape], factor[shape], sizes)
 
     def scale(self, counts: Counts, factor: PerUnit) -> PerDesign:
-        """Factor from the value listed in `radius` to the radius of a muscle with a unit factor of
-        1 [-], by `radius_rule`, for each design. `counts`: muscles in each unit; `factor`: of each
-        unit's radius [-].
+        """Factor from the listed `radius` to that of a muscle with a unit factor of 1 [-], for designs
+        with `counts` of muscles in each unit and a `factor` of each unit's radius [-].
         """
         if self.radius_rule == "cross_section":
             return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))
@@ -280,9 +279,9 @@ def _combine_factors(counts: Counts, factors: Floats) -> tuple[Counts, PerUnit]:
 
 
 class Product(NamedTuple):
-    """A muscle on sale, of one length: its `name`, `price` for one in the catalog's currency,
-    `mass` of one [kg], and the largest pressure [Pa] and contraction [-] that its maker allows;
-    each is `None` if unknown. `source` of the figures.
+    """A muscle on sale, of one length: `name`, `price` for one in the catalog's currency, `mass` of
+    one [kg], the largest pressure [Pa] and contraction [-] that its maker allows, and the `source`
+    of the figures; `None` if unknown.
     """
 
     name: str

@@ -6,15 +6,13 @@ $$V_N = \sum_i n_i \frac{(p_i + p_a) V_i(\varepsilon) - p_a V_i(0)}{p_a} \tag{G3
 
 for air, in normal volume, over the units that are fed, each filled at its own pressure $p_i$ and
 vented to the atmosphere $p_a$ at rest; for a liquid $\sum_i n_i (V_i(\varepsilon) - V_i(0))$, since
-it stays full. A unit that isn't fed breathes with the atmosphere. Where a load case is one of
-a cloud, a *cycle* goes from rest to it and back, and the mean over the task counts by weight; where
-the task is given in time, it goes once through all of them and to the first again, and each unit
-takes in what its content rises by.
+it stays full. In a cloud of load cases a *cycle* goes from rest to one and back, and the mean over
+the task counts by weight; where the task is given in time, it goes once through all of them and to
+the first again, and each unit takes in what its content rises by.
 
-Mass is that given by the products' makers, or that of the bladders alone,
-$\rho \sum n_i V_{b,i}$, where a density is given. Of air the cost of a cycle is that of its
-normal volume $V_N$, or of the energy
-$p_a V_N \ln((P_s + p_a)/p_a)$ that compresses it without losses; of a liquid, that of $P_s V$.
+Mass is the makers', or that of the bladders alone, $\rho \sum n_i V_{b,i}$. Of air the cost of a
+cycle is that of its normal volume $V_N$, or of the energy $p_a V_N \ln((P_s + p_a)/p_a)$ that
+compresses it without losses; of a liquid, that of $P_s V$.
 
 **Reference:** normal volumes at 20 °C and 100 kPa (ISO 8778, "ANR"), the air in the muscle at
 20 °C too, the atmosphere at 100 kPa. **Assumes** no dead volume in tubes and valves, and no leaks.
@@ -218,8 +216,8 @@ def _rest(bundle: Bundle, force: Points, pressures: Float[np.ndarray, "point uni
 
 @dataclass(frozen=True, eq=False)
 class Splits:
-    """The muscles of one design in 1, 2, 3 … motor units, each in the split that takes least fluid
-    energy: `designs`, and their `values` [SI] by objective.
+    """The muscles of a design in 1, 2, 3 … motor units, each time in the split that takes least
+    fluid energy: `designs`, and their `values` [SI] by objective.
     """
 
     designs: Designs

@@ -96,7 +96,7 @@ def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
 
 
 def missing_blocks(path: Path, study: Study) -> list[int]:
-    """Blocks whose file isn't in the array at a `path`, or not whole, counted from 0."""
+    """Blocks without a whole file in the array at a `path`, counted from 0."""
     size = study.block * len(study.names) * np.dtype(float).itemsize  # the last is padded
     whole = {file.parent.name for file in path.glob("c/*/0") if file.stat().st_size == size}
     return [block for block in range(study.blocks) if str(block) not in whole]

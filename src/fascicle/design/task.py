@@ -1,9 +1,7 @@
 """Tasks: load cases, how much each counts, the supply; and named examples.
 
 A load case is a demanded force at a contraction: a strain, or a stroke, a length that long muscles
-contract by with less strain. A task is a cloud of load cases with weights; of a task in time, the
-weight of a load case is its duration. Weights count in means; a bundle must reach all load cases
-(see `limits`).
+contract by with less strain. Weights count in means; of a task in time they are durations.
 
 All figures of the examples are made up: shapes as such motions have, scaled to bundles of a
 handful of half-inch muscles. None was measured, and none should be cited as if it were.
