@@ -63,9 +63,8 @@ def remedies(
 ) -> list[Remedy]:
     """Changes by which a single design would hold its task, each by itself, enough or not.
 
-    `limits`: on objectives [SI], as of `with_reach_limits`; `product`: that its muscles are sold
-    as, if they are: only number, pressure and length can be changed then; `uncertainty`: by which
-    it is judged; `None`: as drawn.
+    `product`: that its muscles are sold as, if they are: only number, pressure and length can be
+    changed then; `uncertainty`: by which it is judged; `None`: as drawn.
     """
     design = design.take(np.array([0]), int(design.units[0]))
     highest = HIGHEST_PRESSURE

@@ -157,8 +157,8 @@ def scaled_designs(
     factor: Float[np.ndarray, "design unit"],
     sizes: Float[np.ndarray, "design 4"],
 ) -> Designs:
-    """Make designs of `sizes`: length [m], radius [m], ratio of the wall to it [-] and braid angle
-    [rad], units' radii and walls `factor` times these.
+    """Designs of `sizes`: length and radius [m], ratio of the wall to it [-] and braid angle [rad];
+    `factor`: of each unit's radius and wall [-].
     """
     length, radius, ratio, angle = sizes.T[..., None]
     radii = radius * factor

@@ -229,8 +229,6 @@ def _largest_force(
 
 
 def _tension_force(law: Piecewise, pressure: Numbers, strain: Numbers) -> np.ndarray:
-    """Force of the tension law [N] at a `pressure` [Pa] and a `strain` [-]; minus infinity past the
-    free strain, where the law doesn't hold.
-    """
+    """Force of the tension law [N]; minus infinity past the free strain, where it doesn't hold."""
     pulls = strain <= law.tension.free_strain(pressure) + ROUNDING
     return np.where(pulls, law.tension.force(pressure, strain), -np.inf)

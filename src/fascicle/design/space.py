@@ -218,8 +218,8 @@ class Space:
         return scaled_designs(self.drawings, kind, counts[shape], factor[shape], sizes)
 
     def scale(self, counts: Counts, factor: PerUnit) -> PerDesign:
-        """Factor from the listed `radius` to that of a muscle with a unit factor of 1 [-], for designs
-        with `counts` of muscles in each unit and a `factor` of each unit's radius [-].
+        """Factor from the listed `radius` to that of a muscle with a unit factor of 1 [-] for each
+        design; `counts`: muscles in each unit; `factor`: of each unit's radius [-].
         """
         if self.radius_rule == "cross_section":
             return 1 / np.sqrt(np.sum(counts * factor**2, axis=1))

@@ -75,7 +75,7 @@ class Cases:
 
     @property
     def fluid_of_a_cycle(self) -> float:
-        """Fluid of a cycle [m³]: the mean of `fluid`, or the sum over a task in time."""
+        """Mean of `fluid` [m³]; of a task in time, what a cycle through it takes."""
         if self.task.time is None:
             return float(np.average(self.fluid, weights=self.task.weight))
         rise = np.diff(self.content, axis=0, append=self.content[:1])

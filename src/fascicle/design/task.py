@@ -136,8 +136,8 @@ class Task:
         return replace(cls.of(force, strain, supply_pressure, weight, **more), time=t)
 
     def strain_of(self, length: Numbers) -> Points:
-        """Contractions of bundles [-], points first, above 1 for a stroke that is longer than the
-        bundle; `length`: at rest [m].
+        """Contractions of bundles of a `length` at rest [m], points first [-]; above 1 for a stroke
+        that is longer than the bundle.
         """
         if self.strain is not None:
             return np.multiply.outer(self.strain, np.ones_like(length))
