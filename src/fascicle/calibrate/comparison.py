@@ -92,8 +92,8 @@ def compare(
     laws = [names or list(LAWS[kind]) for kind, names in chosen]
     for names in itertools.product(*laws):
         pairs = zip(RESISTING, names, strict=True)
-        others = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
-        variant = muscle.replace(**others)
+        replaced = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
+        variant = muscle.replace(**replaced)
         # constants of the replaced laws are left out; `fit_data` raises for unknown names
         dropped = parameters_of(muscle).keys() - parameters_of(variant).keys()
         free = None if parameters is None else [n for n in parameters if n not in dropped]

@@ -236,8 +236,8 @@ def has_set_loads(record: Record) -> bool:
     """
     loads, load = np.unique(record.force, return_inverse=True)
     strain, count = record.strain, len(record)
-    few = loads.size <= min(_MAX_LOADS, count / _REPEATS) and not np.any(record.censored)
-    if not few or np.unique(strain).size <= _REPEATS * loads.size:
+    is_set = loads.size <= min(_MAX_LOADS, count / _REPEATS) and not np.any(record.censored)
+    if not is_set or np.unique(strain).size <= _REPEATS * loads.size:
         return False
     _, group = np.unique(assign_levels(record.pressure) * loads.size + load, return_inverse=True)
     means = np.bincount(group, strain) / np.bincount(group)

@@ -157,8 +157,8 @@ def _with_binding_priors(
     less certain than the prior does. Then their noise is multiplied by the ratio of both.
     """
     names, variances = calibration.names, np.diag(calibration.covariance)
-    given = np.isin(names, list(priors))
-    loose = given & (variances > calibration.problem.deviation**2)
+    with_prior = np.isin(names, list(priors))
+    loose = with_prior & (variances > calibration.problem.deviation**2)
     if calibration.readings is not None or not np.any(loose):
         return calibration
     problem = calibration.problem
@@ -271,8 +271,8 @@ def starts_of(problem: Problem, options: FitOptions) -> np.ndarray:
     if not options.near:
         return starts
     pairs = zip(problem.parameters, problem.center, strict=True)
-    near = np.array([options.near.get(parameter.name, z) for parameter, z in pairs])
-    return np.concatenate([near[None], starts])
+    point = np.array([options.near.get(parameter.name, z) for parameter, z in pairs])
+    return np.concatenate([point[None], starts])
 
 
 def solve_problem(problem: Problem, readings: Readings | None, options: FitOptions) -> Solution:

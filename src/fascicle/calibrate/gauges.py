@@ -157,19 +157,19 @@ def _read_load_cell(
     order = vented[np.argsort(strain[vented], kind="stable")]
     size = np.arange(1, order.size + 1)
     range_width = _STIFFER * straight * np.cumsum(strain[order]) / size
-    rest = order[: int(np.argmin(CLEAR * noise / np.sqrt(size) + range_width)) + 1]
-    push = _STIFFER * straight * strain[rest]
-    basis, names = np.ones((rest.size, 1)), ["force_zero"]
+    first = order[: int(np.argmin(CLEAR * noise / np.sqrt(size) + range_width)) + 1]
+    push = _STIFFER * straight * strain[first]
+    basis, names = np.ones((first.size, 1)), ["force_zero"]
     if record.time is not None:
-        elapsed = record.time[rest] - np.min(record.time)
+        elapsed = record.time[first] - np.min(record.time)
         if np.ptp(elapsed) > _APART * np.ptp(record.time) > 0:
             basis, names = np.insert(basis, 1, elapsed, axis=1), [*names, "force_drift"]
     inverse = np.linalg.pinv(basis)
-    least, most = inverse @ record.force[rest], inverse @ (record.force[rest] + push)
+    without_push, with_push = inverse @ record.force[first], inverse @ (record.force[first] + push)
     by_noise = noise * np.sqrt(np.sum(inverse**2, axis=1))
-    clear = np.minimum(np.abs(least), np.abs(most)) > CLEAR * by_noise
-    clear &= np.sign(least) == np.sign(most)
-    middle, half = (least + most) / 2, np.abs(most - least) / 2
+    clear = np.minimum(np.abs(without_push), np.abs(with_push)) > CLEAR * by_noise
+    clear &= np.sign(without_push) == np.sign(with_push)
+    middle, half = (without_push + with_push) / 2, np.abs(with_push - without_push) / 2
     # the push lies anywhere in its range
     deviation = np.hypot(by_noise, half / np.sqrt(3))
     if clear[-1]:  # a drift is the change of a zero

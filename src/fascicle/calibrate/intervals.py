@@ -22,7 +22,7 @@ from .least_squares import KNOWN, NORMAL, solve
 from .parameters import WEAK
 
 
-_CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
+_CRITICAL = NORMAL**2  # 90 % of a squared normal deviate
 _TOLERANCE = 3e-4  # of a cost of some hundreds: 5 % of the critical rise, 3 % of its distance
 
 

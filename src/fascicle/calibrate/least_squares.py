@@ -345,7 +345,7 @@ def _walk(
     # MINPACK asks for residuals and Jacobian one after another
     last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
-    def whole(z: np.ndarray) -> np.ndarray:
+    def complete(z: np.ndarray) -> np.ndarray:
         point = start.copy()
         point[free_columns] = z
         return point
@@ -354,11 +354,11 @@ def _walk(
         key = z.tobytes()
         if key not in last:
             last.clear()
-            last[key] = problem.force_and_slopes(whole(z), free_columns)
+            last[key] = problem.force_and_slopes(complete(z), free_columns)
         return last[key]
 
     def residuals(z: np.ndarray) -> np.ndarray:
-        r = problem.residuals(whole(z), force_and_slopes(z)[0])
+        r = problem.residuals(complete(z), force_and_slopes(z)[0])
         # where the law has no number a step is too far
         return r if np.all(np.isfinite(r)) else np.full(r.size, _NO_NUMBER)
 
@@ -381,7 +381,7 @@ def _walk(
     # 1 to 4: nothing moves any more, or no step within rounding is left
     if flag == _MAX_FEV and _remaining(r, jacobian(end)) >= _SETTLED:
         status = STOPPED
-    return whole(end), 0.5 * float(r @ r), status, int(counts["njev"])
+    return complete(end), 0.5 * float(r @ r), status, int(counts["njev"])
 
 
 def _remaining(r: np.ndarray, jacobian: np.ndarray) -> float:

@@ -270,8 +270,9 @@ def possible_gauge_errors(data: FitData) -> list[str]:
         return names
     # a drift is confounded with friction where each direction has its own time
     times = [time[data.record.branch == side] for side in (UP, DOWN)]
-    apart = all(x.size for x in times) and abs(np.mean(times[0]) - np.mean(times[1])) > np.std(time)
-    return names if apart else [*names, "force_drift"]
+    means = [float(np.mean(x)) for x in times if x.size]
+    in_turn = len(means) == 2 and abs(means[0] - means[1]) > np.std(time)
+    return names if in_turn else [*names, "force_drift"]
 
 
 def candidate_sets(
@@ -369,9 +370,9 @@ def _try_constants(
         violation = _length_violation(data, muscle, fitted, names, priors)
         # a constant that went far beyond its weak prior and has no effect there is at its bound
         far = np.abs(point - problem.center) > problem.deviation
-        lost = np.diag(minimum.covariance) > (KNOWN * problem.deviation / WEAK) ** 2
+        no_effect = np.diag(minimum.covariance) > (KNOWN * problem.deviation / WEAK) ** 2
         weak = [not p.of_gauge and p.name not in priors for p in problem.parameters]
-        if not violation[0] and np.any(far & lost & weak):
+        if not violation[0] and np.any(far & no_effect & weak):
             violation = "bound", float("nan")
     force = problem.force(point)
     left_out = _predicted_force(problem, point) if names else force

@@ -52,7 +52,6 @@ _BINS = 16  # of strain, of pressure or time, for means of residuals
 _LOOPS = 5  # in one picture: more lie on one another
 _SAME_LEVEL = 0.02  # of the range of levels: runs that share a level
 _PANELS = 6  # pressures at which laws are compared in one picture
-_CRITICAL = 2.705543454095404  # 90 % of a squared normal deviate
 _TOP, _BAR = 8.0, -0.55  # of a profile's panel; height of the interval by the covariance
 _DECADES = 20.0  # largest over least value of a profile, from which the axis is logarithmic
 _RESISTS = -0.005  # of the largest force: a push that is more than a zero's error
@@ -407,7 +406,7 @@ def draw_profiles(calibration: Calibration, profiles: Sequence[Profile]) -> Figu
         color, dashes = (BLUE, "-") if identifiable else (VERMILION, _DASHED)
         order = np.argsort(profile.value, kind="stable")
         value, rise = profile.value[order] / scale, np.maximum(profile.rise[order], 0.0)
-        ax.axhline(_CRITICAL, color=GRAY, linewidth=0.8, linestyle=_DOTTED)
+        ax.axhline(NORMAL**2, color=GRAY, linewidth=0.8, linestyle=_DOTTED)
         crosses = np.clip([profile.low / scale, profile.high / scale], value[0], value[-1])
         ax.axvspan(*crosses, color=color, alpha=0.12, linewidth=0)
         ax.plot(value, rise, color=color, linestyle=dashes, marker="o", markersize=2.2)
