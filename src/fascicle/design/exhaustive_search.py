@@ -235,9 +235,8 @@ def conclude(
     limits, catalog = with_reach_limits(limits), catalog or Catalog()
     index = np.arange(len(space)) if designs is None else np.full(len(designs), -1)
     excluded = catalog.excluded(space.drawings, task)
-    kinds = [i for i, name in enumerate(space.drawings) if name in excluded]
     kind = index // (len(space) // len(space.drawings)) if designs is None else designs.kind
-    permitted = ~np.isin(kind, kinds)
+    permitted = np.array([name not in excluded for name in space.drawings])[kind]
     allowed, nearest = objectives.within_limits(values, limits) & permitted, None
     if not allowed.any() and len(index):
         keeps_limits = objectives.within_limits(values, other_limits(limits)) & permitted

@@ -193,7 +193,6 @@ def overlap_width(outcome: Outcome) -> PerDesign:
 
 
 def _weighted_mean(outcome: Outcome, values: np.ndarray) -> PerDesign:
-    """Mean of `values` over the task's points, by weight."""
     return (outcome.weight * values).sum(axis=0) / outcome.weight.sum(axis=0)
 
 
@@ -233,7 +232,7 @@ Matrix = Float[np.ndarray, "design objective"]
 
 def within_limits(values: Values, limits: Limits) -> Bool[np.ndarray, " design"]:
     """Mask of designs within all limits; `values` [SI] and `limits` [SI] by objective."""
-    mask = np.ones(len(next(iter(values.values()))), bool)
+    mask = np.ones(next(iter(values.values())).shape, bool)
     for name, limit in limits.items():
         mask &= limit.holds(values[name])
     return mask

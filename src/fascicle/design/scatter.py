@@ -202,8 +202,7 @@ def spread(
             factor = np.resize(batch.force, len(drawn))  # all draws of one design after another
             for name, row in evaluate(drawn, task, names, MIXED, factor).items():
                 values[name][block, members] = row.reshape(-1, len(members))
-    flat = {name: rows.ravel() for name, rows in values.items()}
-    return Spread(values, within_limits(flat, limits).reshape(len(designs), draws))
+    return Spread(values, within_limits(values, limits))
 
 
 def _calibrated_designs(designs: Designs, muscles: Muscle, index: int) -> Designs:

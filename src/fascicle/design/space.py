@@ -63,7 +63,6 @@ def compositions(muscles: int, most_units: int | None = None) -> Counts:
 
     @cache
     def rows(total: int, units: int) -> Counts:
-        """Compositions of `total` into at most so many `units`."""
         if total == 0:
             return np.zeros((1, units), int)
         blocks = [np.zeros((0, units), int)]
@@ -82,7 +81,6 @@ def partitions(muscles: int, most_units: int | None = None) -> Counts:
     check_splits((muscles,), "partitions", most_units)
 
     def rows(total: int, units: int, smallest: int) -> Iterator[tuple[int, ...]]:
-        """Partitions of `total` into at most so many `units`, ascending from `smallest`."""
         yield (total,)
         for first in range(total // 2, smallest - 1, -1) if units > 1 else ():
             for later in rows(total - first, units - 1, first):

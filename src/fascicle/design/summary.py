@@ -194,8 +194,7 @@ def summarize(
     sizing = None
     if cycle is not None:
         margin = np.where(load_cases.reached, np.maximum(load_cases.relative, 0.0), -1.0)
-        load = (load_cases.pressures, load_cases.fluid, margin)
-        sizing = size_valves(design, task, cycle, *load)
+        sizing = size_valves(design, task, cycle, load_cases.pressures, load_cases.fluid, margin)
     open_pressures = np.where(load_cases.pressures > 0, supply, 0.0)
     vented = _rest(bundle, task.force.max(keepdims=True), np.zeros((1, valves)))
     return Summary(
