@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fascicle.design import Limit
+from fascicle.design import Limit, non_dominated
 from fascicle.design.objectives import reaches_task, with_reach_limits, within_limits
 
 
@@ -34,3 +34,19 @@ def test_rounding_breaks_no_limit():
     assert not within_limits({"not_reached": third + 1e-9}, {"not_reached": Limit(most=0.3)})[0]
     assert not within_limits({"margin": np.array([np.nan])}, {"margin": Limit(least=0.0)})[0]
     assert Limit(1.0, 2.0).excess(np.array([0.5, 1.5, 3.0])) == pytest.approx([0.5, -0.5, 1.0])
+
+
+def plain_front(points):
+    """By the definition, one by one."""
+    return [
+        not any(np.all(b <= a) and np.any(b < a) for b in points) and not np.any(np.isnan(a))
+        for a in points
+    ]
+
+
+@pytest.mark.parametrize("objectives", [1, 2, 3, 5])
+def test_front_matches_the_definition(objectives):
+    rng = np.random.default_rng(objectives)
+    # whole numbers: many ties and equal points
+    points = rng.integers(0, 6, (700, objectives)).astype(float)
+    assert non_dominated(points).tolist() == plain_front(points)
