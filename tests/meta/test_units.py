@@ -37,7 +37,8 @@ SAME_AS = re.compile(r"those of `(\w+)`")
 
 def faults(function: Callable, owner: type | None = None) -> list[str]:
     """What `function`'s docstring fails to say."""
-    doc = inspect.getdoc(function) or ""
+    # a property inherits its docstring, the function in it does not
+    doc = inspect.getdoc(getattr(owner, function.__name__, function)) or ""
     if not doc:
         return ["no docstring"]
     signature = inspect.signature(function)

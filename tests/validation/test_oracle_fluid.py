@@ -26,7 +26,7 @@ def filled(chamber, ports, start, t, opening=1.0):
         P = chamber.static_pressure(s, V)
         p, T = P + ROOM, chamber.temperature(s, P)
         flow = valve.flow(p_s, p, T_s, T, opening)
-        enthalpy = chamber.gas.enthalpy(T_s if flow > 0 else T) * flow
+        enthalpy = chamber.gas.c_p * (T_s if flow > 0 else T) * flow
         return [*chamber.rates(s, P, flow, enthalpy, 0.0), flow]
 
     state = np.append(chamber.state_at(start - ROOM, V), 0.0)

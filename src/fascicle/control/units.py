@@ -63,11 +63,9 @@ class GasValves(AbstractValves):
     room_temperature: Batch = temperature_field()
 
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
-        """Mass [kg] at gauge `pressure` [Pa] in a `volume` [m³]."""
         return self.gas.density(pressure + self.room_pressure, self.room_temperature) * volume
 
     def flow(self, pressure: Numbers) -> Batch:
-        """Mass flow `mass_flow` [kg/s] into the unit, at any `pressure` [Pa]."""
         return self.mass_flow + 0.0 * pressure
 
 
@@ -77,11 +75,9 @@ class OilValves(AbstractValves):
     flow_rate: Batch = positive_field("flow_rate", Range("m³/s", 1e-12, 1e-9, 1.0, 1e3))
 
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
-        """Volume [m³], at any `pressure` [Pa], of a `volume` [m³] of muscles."""
         return volume + 0.0 * pressure
 
     def flow(self, pressure: Numbers) -> Batch:
-        """Volume flow `flow_rate` [m³/s] into the unit, at any `pressure` [Pa]."""
         return self.flow_rate + 0.0 * pressure
 
 
@@ -112,11 +108,9 @@ class PlantValves(AbstractValves):
         )
 
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
-        """Mass [kg] at gauge `pressure` [Pa] with a `volume` [m³] in its muscles."""
         return self.chamber.state_at(pressure, volume)[..., 0]
 
     def flow(self, pressure: Numbers) -> Batch:
-        """Mass flow [kg/s] into the unit at gauge `pressure` [Pa], valve wide open."""
         room, temperature = self.chamber.room_pressure, self.chamber.room_temperature
         top = self.supply_pressure + room
         return self.valve.flow(top, pressure + room, self.supply_temperature, temperature)

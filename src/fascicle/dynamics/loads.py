@@ -141,12 +141,9 @@ class AbstractFreeLoad(AbstractLoad):
 
     @property
     def damper(self) -> Batch:
-        """Damping $d$ of the coordinate [SI]."""
         return self.damping
 
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """The `position` [SI] and `velocity` [SI], at any `time` [s]."""
-        del time
         return position, velocity
 
 
@@ -165,15 +162,12 @@ class HangingMass(AbstractFreeLoad):
 
     @property
     def inertia(self) -> Batch:
-        """The mass [kg]."""
         return self.mass
 
     def force(self, position: Batch) -> Batch:
-        """Weight [N], negative, at any `position` [m]."""
         return -self.mass * self.gravity + 0.0 * position
 
     def potential(self, position: Batch) -> Batch:
-        """Potential of the weight, $m g q$ [J], at `position` [m]."""
         return self.mass * self.gravity * position
 
 
@@ -196,21 +190,17 @@ class InertiaSpringDamper(AbstractFreeLoad):
 
     @property
     def inertia(self) -> Batch:
-        """The mass [kg]."""
         return self.mass
 
     def force(self, position: Batch) -> Batch:
-        """Force of spring and outside [N], negative against contraction, at `position` [m]."""
         return -self.spring_stiffness * (position - self.rest) - self.force_outside
 
     def potential(self, position: Batch) -> Batch:
-        """Potential of both forces [J] at `position` [m]."""
         spring = self.spring_stiffness * (position - self.rest) ** 2 / 2
         return spring + self.force_outside * position
 
     @property
     def stiffness(self) -> Batch:
-        """Stiffness of the spring [N/m]."""
         return self.spring_stiffness
 
 
@@ -236,27 +226,20 @@ class AntagonisticJoint(AbstractFreeLoad):
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """For each bundle the shortening of its plates' distance at $q = 0$ [m] and the radius,
-        with its sign [m/rad].
-        """
         return (self.contraction, self.radius), (self.contraction, -self.radius)
 
     @property
     def inertia(self) -> Batch:
-        """Moment of inertia of the joint [SI]."""
         return self.inertia_moment
 
     def force(self, position: Batch) -> Batch:
-        """Moment of the pendulum [N·m] at `position` [rad]."""
         return -self.gravity_moment * sin(position)
 
     def potential(self, position: Batch) -> Batch:
-        """Potential of the pendulum [J] at `position` [rad]."""
         return self.gravity_moment * (1 - cos(position))
 
     @property
     def stiffness(self) -> Batch:
-        """Largest stiffness of the pendulum [SI]."""
         return self.gravity_moment
 
 
@@ -287,24 +270,18 @@ class PrescribedMotion(AbstractLoad):
 
     @property
     def inertia(self) -> Batch:
-        """A unit mass [kg], without effect on a prescribed motion."""
         return 1.0 + 0.0 * self.mean
 
     def force(self, position: Batch) -> Batch:
-        """Zero force [N] at any `position` [m]: the motor prescribes the motion."""
         return 0.0 * position
 
     def potential(self, position: Batch) -> Batch:
-        """Zero potential [J] at any `position` [m]."""
         return 0.0 * position
 
     @property
     def damper(self) -> Batch:
-        """Zero damping [SI]."""
         return 0.0 * self.mean
 
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Position [m] and velocity [m/s] at `time` [s], for any `position` and `velocity`."""
-        del position, velocity
         w = 2 * np.pi * self.frequency
         return self.mean + self.amplitude * sin(w * time), self.amplitude * w * cos(w * time)

@@ -56,7 +56,6 @@ class AbstractMuscles(Module):
         """Volume of fluid in one muscle of each unit, from its `surface` [SI] at a `strain` [-];
         `rest_length` [m].
         """
-        del strain
         by_strain = rest_length * surface.force_by_pressure
         return MuscleVolumes(surface.volume, by_strain, surface.volume_by_pressure)
 
@@ -100,9 +99,6 @@ class MuscleTables(AbstractMuscles):
         return cls(stack, np.array(indices))
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
-        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
-        [Pa] and `strain` [-], (V3).
-        """
         return self.table.lookup_at(pressure, strain, self.indices)
 
     @property
@@ -141,9 +137,6 @@ class ExactMuscles(AbstractMuscles):
         return cls(groups, indices, strains, np.full(len(muscles), highest_pressure))
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
-        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
-        [Pa] and `strain` [-], (V2).
-        """
         P = minimum(maximum(pressure, 0.0), self.highest_pressure)
         eps = minimum(maximum(strain, self.strains[0]), self.strains[1])
         surfaces = [
@@ -162,11 +155,6 @@ class ExactMuscles(AbstractMuscles):
         )
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
-        """Force of one muscle of each unit [N] at its `pressure` [Pa] and `strain` [-].
-
-        Within the pressures of the laws the integral for the volume, which takes a hundred times
-        as long, is left out.
-        """
         if not is_concrete(pressure, strain) or np.any(
             (pressure < 0) | (pressure > self.highest_pressure)
         ):
@@ -220,20 +208,12 @@ class GeometricMuscles(MuscleWrapper):
     walls: Numbers
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
-        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
-        [Pa] and `strain` [-], with the wrapped muscles' volume.
-        """
         return self.muscles.at(pressure, strain)
 
     def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
-        """Force of each muscle [N] at its `pressure` [Pa] and `strain` [-]."""
         return self.muscles.force(pressure, strain)
 
     def volumes(self, surface: MuscleState, strain: Numbers, rest_length: Numbers) -> MuscleVolumes:
-        """Volume of fluid in one muscle of each unit at its `strain` [-], at any `surface` [SI]
-        and `rest_length` [m].
-        """
-        del rest_length
         swept, _ = self.braid.mesh(1.0, strain)  # dV of a meter's contraction [m²]
         volume = self.braid.volume(strain) - self.walls
         return MuscleVolumes(volume, self.braid.length * swept, 0.0 * surface.volume)

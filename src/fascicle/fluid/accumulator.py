@@ -25,20 +25,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..core.array_namespace import (
-    absolute,
-    array_namespace,
-    exp,
-    expm1,
-    log,
-    log1p,
-    logical_not,
-    minimum,
-    where,
-)
+from ..core.array_namespace import absolute, exp, expm1, log, log1p, logical_not, minimum, where
 from ..core.errors import InvalidInputError
 from ..core.roots import guarded
-from ..core.types import Batch, BatchLike, BoolBatch, Numbers
+from ..core.types import Batch, BoolBatch, Numbers
 from ..core.validation import Range, is_concrete
 from .chamber import stack_last
 from .fields import (
@@ -86,20 +76,18 @@ class Accumulator(AbstractSupply):
         if np.any(P <= P_0):
             low = float(P[P <= P_0].flat[0])
             rule = f"must lie above the `precharge` of {float(np.max(P_0)):g} Pa"
-            raise InvalidInputError(
-                "pressure", rule, low, "below it there is no liquid", f"{low:g} Pa"
-            )
+            remedy = "below it there is no liquid"
+            raise InvalidInputError("pressure", rule, low, remedy, f"{low:g} Pa")
         fill = float(np.max(-expm1(-self._log_ratio(P))))
         if fill > _FULL:
             rule = f"must leave the gas 0.01 of `volume`, got a share of {1 - fill:.3g}"
             raise InvalidInputError("pressure", rule, fill, "raise the `precharge`", shown="")
 
-    def stored_volume(self, pressure: BatchLike) -> Batch:
+    def stored_volume(self, pressure: Batch) -> Batch:
         """Volume $V_l$ of liquid [m³] at gauge `pressure` [Pa]; negative below the precharge."""
         return -self.volume * expm1(-self._log_ratio(pressure))
 
     def initial_state(self) -> Numbers:
-        """Mass [kg] at the initial pressure."""
         return stack_last(self.liquid.density(self.pressure) * self.stored_volume(self.pressure))
 
     def pressure_at(self, state: Numbers) -> Batch:
@@ -115,17 +103,12 @@ class Accumulator(AbstractSupply):
         return P
 
     def temperature_at(self, state: Numbers) -> Batch:
-        """Temperature of the room [K], in any `state` [SI]."""
         return self.room_temperature + 0.0 * state[..., 0]
 
-    def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Mass flow `mass_in` [kg/s] in any `state` [SI], negative for an outflow; `energy_in` [W]
-        doesn't count.
-        """
-        del energy_in
+    def rates(self, state: Numbers, mass_in: Batch, energy_in: Batch) -> Numbers:
         return stack_last(mass_in + 0.0 * state[..., 0])
 
-    def energy(self, pressure: BatchLike) -> Batch:
+    def energy(self, pressure: Batch) -> Batch:
         """Energy [J] at gauge `pressure` [Pa] over the empty one's, equation (F19)."""
         x = self._log_ratio(pressure)
         V_l = -self.volume * expm1(-x)
@@ -143,13 +126,10 @@ class Accumulator(AbstractSupply):
         return self.energy(self.pressure_at(state))
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """True if a `state` [SI] has no liquid left."""
         return state[..., 0] <= 0
 
-    def _log_ratio(self, pressure: BatchLike) -> Batch:
-        """Logarithm $x$ of the gas's volume without liquid over its volume at gauge `pressure`
-        [Pa], (F18) [-].
-        """
+    def _log_ratio(self, pressure: Batch) -> Batch:
+        """Logarithm $x$ of (F18) [-] at gauge `pressure` [Pa]."""
         p, p_0 = pressure + self.room_pressure, self.precharge + self.room_pressure
         return log(guarded(p > 0, p, p_0) / p_0) / self.exponent
 
@@ -179,45 +159,32 @@ class PumpedAccumulator(AbstractSupply):
             raise InvalidInputError("pump", rule, pumped, shown="another")
 
     def initial_state(self) -> Numbers:
-        """State [SI] at the accumulator's pressure, with the pump switched for it."""
         P = self.accumulator.pressure
         none = 0.0 * P
         mass, on = self.accumulator.initial_state()[..., 0], self.pump.initial_switch(P)
         return stack_last(mass, on + none, none, none)
 
     def pressure_at(self, state: Numbers) -> Batch:
-        """Gauge pressure [Pa] in a `state` [SI]."""
         return self.accumulator.pressure_at(state)
 
     def temperature_at(self, state: Numbers) -> Batch:
-        """Temperature of the room [K], in any `state` [SI]."""
         return self.accumulator.temperature_at(state)
 
-    def rates(self, state: Numbers, mass_in: BatchLike, energy_in: BatchLike) -> Numbers:
-        """Rates, equation (F23) [SI], of a `state` [SI] with the inflow `mass_in` [kg/s] from the
-        bundle, negative for an outflow; `energy_in` [W] doesn't count.
-        """
-        del energy_in
+    def rates(self, state: Numbers, mass_in: Batch, energy_in: Batch) -> Numbers:
+        """Rates, equation (F23) [SI], of a `state` [SI] with an inflow [kg/s] from the bundle."""
         P, on, pump = self.pressure_at(state), state[..., 1], self.pump
         shaft, losses = pump.shaft_power(P, on), pump.lost_power(P, on)
         return stack_last(mass_in + pump.flow(P, on), 0.0 * P, shaft, losses)
 
     def update_switch(self, state: Numbers) -> Numbers:
-        """State [SI] after a `state` [SI] whose pressure switches the pump."""
         on = self.pump.update_switch(state[..., 1], self.pressure_at(state))
-        xp = array_namespace(state, on)
-        return xp.concatenate([state[..., :1], on[..., None], state[..., 2:]], axis=-1)
+        return stack_last(state[..., 0], on, state[..., 2], state[..., 3])
 
     def stored_energy(self, state: Numbers) -> Batch:
-        """Energy [J] of a `state` [SI] in the accumulator."""
         return self.accumulator.stored_energy(state)
 
     def drive_energies(self, state: Numbers) -> dict[str, Batch]:
-        """Shaft work and losses of the pump [J] from the start to a `state` [SI]: keys
-        "shaft_work" and "pump_lost".
-        """
-        return dict(zip(self.names[2:], (state[..., 2], state[..., 3]), strict=True))
+        return {"shaft_work": state[..., 2], "pump_lost": state[..., 3]}
 
     def empty(self, state: Numbers) -> BoolBatch:
-        """True if a `state` [SI] has no liquid left."""
         return self.accumulator.empty(state)

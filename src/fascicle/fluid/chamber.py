@@ -41,7 +41,7 @@ from typing import Any, ClassVar, NamedTuple
 from ..core.array_namespace import array_namespace, where
 from ..core.module import Module
 from ..core.roots import guarded
-from ..core.types import Batch, BatchLike, Numbers
+from ..core.types import Batch, Numbers
 from ..core.validation import Range
 from .fields import component_field, nonnegative_field, room_pressure_field, temperature_field
 from .media import AIR, OIL, Gas, Liquid
@@ -93,25 +93,19 @@ class AbstractChamber(Module):
         """Gauge pressure [Pa] at which there is no gas, or a liquid boils."""
 
     @abc.abstractmethod
-    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
+    def state_at(self, pressure: Batch, volume: Batch) -> Numbers:
         """State [SI] at gauge `pressure` [Pa] and `volume` [m³], as warm as the room."""
 
     @abc.abstractmethod
-    def temperature(self, state: Numbers, pressure: BatchLike) -> Batch:
+    def temperature(self, state: Numbers, pressure: Batch) -> Batch:
         """Temperature [K] of a `state` [SI] at gauge `pressure` [Pa]."""
 
     @abc.abstractmethod
-    def state_residual(
-        self, state: Numbers, pressure: BatchLike, volume: BatchLike
-    ) -> StateResidual:
-        """Residual of the equation of state (F12) and its slopes [SI] for a `state` [SI] at gauge
-        `pressure` [Pa] in a `volume` [m³].
-        """
+    def state_residual(self, state: Numbers, pressure: Batch, volume: Batch) -> StateResidual:
+        """Residual (F12) [SI] of a `state` [SI] at gauge `pressure` [Pa] in a `volume` [m³]."""
 
-    def static_pressure(self, state: Numbers, volume: BatchLike) -> Batch:
-        """Gauge pressure [Pa] of a `state` [SI] in a `volume` [m³] that doesn't move, by Newton's
-        method, at a gas in one step.
-        """
+    def static_pressure(self, state: Numbers, volume: Batch) -> Batch:
+        """Gauge pressure [Pa] of a `state` [SI] in a fixed `volume` [m³], by Newton's method."""
         P = 0.0 * (state[..., 0] + volume)
         for _ in range(self.newton_steps):
             residual = self.state_residual(state, P, volume)
@@ -122,21 +116,12 @@ class AbstractChamber(Module):
     def rates(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Numbers:
-        """Rates of the state variables with an inflow, as the volume changes.
-
-        **Arguments:**
-
-        - `state`: the state [SI].
-        - `pressure`: its gauge pressure [Pa].
-        - `mass_in`: mass flow into the chamber [kg/s].
-        - `energy_in`: its enthalpy flow, a gas's $c_p T$ from upstream [W].
-        - `volume_rate`: of the volume [m³/s].
-
-        **Returns:** rates [SI] on the last axis, affine in `volume_rate`.
+        """Rates [SI] of a `state` [SI] at gauge `pressure` [Pa], affine in `volume_rate` [m³/s],
+        with an inflow `mass_in` [kg/s] and its enthalpy `energy_in`, a gas's $c_p T$ upstream [W].
         """
 
     @abc.abstractmethod
-    def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
+    def per_volume_rate(self, state: Numbers, pressure: Batch) -> Numbers:
         """Slope [SI] of a `state`'s rates [SI] at gauge `pressure` [Pa] by the rate of volume."""
 
     @abc.abstractmethod
@@ -146,10 +131,8 @@ class AbstractChamber(Module):
         """Heat flow out through the wall [W]; arguments [SI] as of `rates`."""
 
     @abc.abstractmethod
-    def stored_energy(self, state: Numbers, pressure: BatchLike) -> Batch:
-        """Stored energy [J] of a `state` [SI] at gauge `pressure` [Pa]: a gas's exergy, a liquid's
-        energy with that of its compliance.
-        """
+    def stored_energy(self, state: Numbers, pressure: Batch) -> Batch:
+        """Exergy of a gas, energy of a liquid [J] in a `state` [SI] at gauge `pressure` [Pa]."""
 
 
 class AbstractMassChamber(AbstractChamber):
@@ -161,56 +144,39 @@ class AbstractMassChamber(AbstractChamber):
     def rates(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Numbers:
-        """Rate of the mass [kg/s] on the last axis: `mass_in` [kg/s]; other arguments [SI], as of
-        `AbstractChamber.rates`, don't count.
-        """
-        del pressure, energy_in, volume_rate
         return stack_last(mass_in + 0.0 * state[..., 0])
 
-    def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
-        """Temperature of the room [K], for any `state` [SI] and `pressure` [Pa]."""
+    def temperature(self, state: Numbers, pressure: Batch = 0.0) -> Batch:
         return self.room_temperature + 0.0 * (state[..., 0] + pressure)
 
-    def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
-        """Zero [kg/m³] for any `state` [SI] and `pressure` [Pa]."""
+    def per_volume_rate(self, state: Numbers, pressure: Batch) -> Numbers:
         return stack_last(0.0 * (state[..., 0] + pressure))
 
 
-def stack_last(*numbers: BatchLike) -> Numbers:
+def stack_last(*numbers: Batch) -> Numbers:
     """Several `numbers` [SI], broadcast, on a new last axis [SI]."""
     xp = array_namespace(*numbers)
     return xp.stack(xp.broadcast_arrays(*numbers), axis=-1)
 
 
 class AbstractGasChamber(AbstractChamber):
-    """Chamber of gas in a volume that moves. `gas`, and the fields of `AbstractChamber`, by
-    keyword.
-    """
+    """Chamber of gas in a volume that moves."""
 
     gas: Gas = component_field("gas", (Gas,), default=AIR, kw_only=True)
 
-    @property
-    def _RT(self) -> Batch:
-        """$R T$ at the room's temperature [J/kg]."""
-        return self.gas.specific_gas_constant * self.room_temperature
-
-    def _room_mass(self, pressure: BatchLike, volume: BatchLike) -> Batch:
-        """Mass [kg] at gauge `pressure` [Pa] and the room's temperature in a `volume` [m³] and the
-        dead volume.
-        """
+    def _room_mass(self, pressure: Batch, volume: Batch) -> Batch:
+        """Mass [kg] at gauge `pressure` [Pa], as warm as the room, in a `volume` [m³]."""
         rho = self.gas.density(pressure + self.room_pressure, self.room_temperature)
         return rho * (volume + self.dead_volume)
 
     @property
     def lowest_pressure(self) -> Batch:
-        """Gauge pressure at which there is no gas at all [Pa]."""
         return -self.room_pressure
 
-    def stored_energy(self, state: Numbers, pressure: BatchLike) -> Batch:
-        """Exergy [J] of a `state` [SI] at gauge `pressure` [Pa]."""
-        room, T_a = self.room_pressure, self.room_temperature
-        T = self.temperature(state, pressure)
-        return self.gas.stored_exergy(state[..., 0], pressure + room, T, room, T_a)
+    def stored_energy(self, state: Numbers, pressure: Batch) -> Batch:
+        T, room = self.temperature(state, pressure), self.room_pressure
+        exergy = self.gas.stored_exergy
+        return exergy(state[..., 0], pressure + room, T, room, self.room_temperature)
 
 
 class AdiabaticWall(AbstractGasChamber):
@@ -227,25 +193,17 @@ class AdiabaticWall(AbstractGasChamber):
         "conductance", Range("W/K", 0.0, 0.0, 1e3, 1e9), default=0.0
     )
 
-    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """Mass [kg] and internal energy [J] at gauge `pressure` [Pa] and `volume` [m³]."""
+    def state_at(self, pressure: Batch, volume: Batch) -> Numbers:
         m = self._room_mass(pressure, volume)
         return stack_last(m, m * self.gas.c_v * self.room_temperature)
 
-    def temperature(self, state: Numbers, pressure: BatchLike = 0.0) -> Batch:
-        """Temperature $U/(m c_v)$ of a `state` [K], the room's without any gas; `pressure` [Pa]
-        doesn't count.
-        """
+    def temperature(self, state: Numbers, pressure: Batch = 0.0) -> Batch:
         m, U = state[..., 0], state[..., 1]
         T = U / (guarded(m > 0, m) * self.gas.c_v)
         return where(m > 0, T, self.room_temperature + 0.0 * pressure)
 
-    def state_residual(
-        self, state: Numbers, pressure: BatchLike, volume: BatchLike
-    ) -> StateResidual:
-        """Residual $p V - (\\gamma - 1) U$ and its slopes [SI] for a `state` [SI] at gauge
-        `pressure` [Pa] in a `volume` [m³].
-        """
+    def state_residual(self, state: Numbers, pressure: Batch, volume: Batch) -> StateResidual:
+        """Residual $p V - (\\gamma - 1) U$ [SI] of a `state` [SI]."""
         p, V = pressure + self.room_pressure, volume + self.dead_volume
         ratio = self.gas.heat_capacity_ratio - 1
         value = p * V - ratio * state[..., 1]
@@ -255,28 +213,20 @@ class AdiabaticWall(AbstractGasChamber):
     def rates(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Numbers:
-        """Rates of mass [kg/s] and internal energy [W] on the last axis, equation (F13); arguments
-        [SI] as of `AbstractChamber.rates`.
-        """
+        """Rates of mass [kg/s] and internal energy [W], equation (F13)."""
         work = (pressure + self.room_pressure) * volume_rate
-        return stack_last(mass_in, energy_in - work - self.heat_flow(state))
+        heat = self.heat_flow(state, pressure, mass_in, energy_in, volume_rate)
+        return stack_last(mass_in, energy_in - work - heat)
 
-    def per_volume_rate(self, state: Numbers, pressure: BatchLike) -> Numbers:
-        """Slope of the rates [SI] of a `state` [SI] at gauge `pressure` [Pa] by the volume's."""
+    def per_volume_rate(self, state: Numbers, pressure: Batch) -> Numbers:
         p = pressure + self.room_pressure + 0.0 * state[..., 0]
         return stack_last(0.0 * p, -p)
 
     def heat_flow(
-        self,
-        state: Numbers,
-        pressure: BatchLike = 0.0,
-        mass_in: BatchLike = 0.0,
-        energy_in: BatchLike = 0.0,
-        volume_rate: BatchLike = 0.0,
+        self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
-        """Heat flow $G (T - T_a)$ [W] of a `state` [SI]; other arguments don't count."""
-        del pressure, mass_in, energy_in, volume_rate
-        return self.conductance * (self.temperature(state) - self.room_temperature)
+        """Heat flow $G (T - T_a)$ [W] of a `state` [SI]."""
+        return self.conductance * (self.temperature(state, pressure) - self.room_temperature)
 
 
 class Isothermal(AbstractMassChamber, AbstractGasChamber):
@@ -284,25 +234,21 @@ class Isothermal(AbstractMassChamber, AbstractGasChamber):
 
     source: ClassVar[str] = "ideal gas at one temperature"
 
-    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
+    def state_at(self, pressure: Batch, volume: Batch) -> Numbers:
         return stack_last(self._room_mass(pressure, volume))
 
-    def state_residual(
-        self, state: Numbers, pressure: BatchLike, volume: BatchLike
-    ) -> StateResidual:
-        """Residual $p V - m R T_a$ and its slopes [SI] for a `state` [SI] at gauge `pressure`
-        [Pa] in a `volume` [m³].
-        """
+    def state_residual(self, state: Numbers, pressure: Batch, volume: Batch) -> StateResidual:
+        """Residual $p V - m R T_a$ [SI] of a `state` [SI]."""
         p, V = pressure + self.room_pressure, volume + self.dead_volume
-        value = p * V - self._RT * state[..., 0]
+        RT = self.gas.specific_gas_constant * self.room_temperature
+        value = p * V - RT * state[..., 0]
         zero = 0.0 * value
-        return StateResidual(value, stack_last(-self._RT + zero), V + zero, p + zero)
+        return StateResidual(value, stack_last(-RT + zero), V + zero, p + zero)
 
     def heat_flow(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
-        """Heat flow out [W] that keeps $U = m c_v T_a$; arguments [SI] as of `rates`."""
+        """Heat flow out [W] that keeps $U = m c_v T_a$ of a `state` [SI]."""
         work = (pressure + self.room_pressure) * volume_rate
         stored = self.gas.c_v * self.room_temperature * mass_in
         return energy_in - work - stored + 0.0 * state[..., 0]
@@ -324,20 +270,14 @@ class LiquidChamber(AbstractMassChamber):
 
     @property
     def lowest_pressure(self) -> Batch:
-        """Gauge pressure at which the liquid boils [Pa]."""
         return self.liquid.vapor_pressure - self.room_pressure
 
-    def state_at(self, pressure: BatchLike, volume: BatchLike) -> Numbers:
-        """Mass [kg] at gauge `pressure` [Pa] and `volume` [m³]."""
+    def state_at(self, pressure: Batch, volume: Batch) -> Numbers:
         V = volume + self.dead_volume + self.compliance * pressure
         return stack_last(self.liquid.density(pressure) * V)
 
-    def state_residual(
-        self, state: Numbers, pressure: BatchLike, volume: BatchLike
-    ) -> StateResidual:
-        """Residual $\\rho (V + c P) - m$ and its slopes [SI] for a `state` [SI] at gauge
-        `pressure` [Pa] in a `volume` [m³].
-        """
+    def state_residual(self, state: Numbers, pressure: Batch, volume: Batch) -> StateResidual:
+        """Residual $\\rho (V + c P) - m$ [SI] of a `state` [SI]."""
         rho, c = self.liquid.density(pressure), self.compliance
         V = volume + self.dead_volume + c * pressure
         value = rho * V - state[..., 0]
@@ -347,10 +287,9 @@ class LiquidChamber(AbstractMassChamber):
     def heat_flow(
         self, state: Numbers, pressure: Batch, mass_in: Batch, energy_in: Batch, volume_rate: Batch
     ) -> Batch:
-        """Zero [W]: a liquid at one temperature is a spring; arguments [SI] as of `rates`."""
         return 0.0 * (state[..., 0] + pressure + mass_in + energy_in + volume_rate)
 
-    def stored_energy(self, state: Numbers, pressure: BatchLike) -> Batch:
-        """Energy of liquid and compliance [J] in a `state` [SI] at gauge `pressure` [Pa]."""
+    def stored_energy(self, state: Numbers, pressure: Batch) -> Batch:
+        """Energy of liquid and compliance [J] in a `state` [SI]."""
         liquid_energy = state[..., 0] * self.liquid.stored_energy(pressure)
         return liquid_energy + self.compliance * pressure**2 / 2

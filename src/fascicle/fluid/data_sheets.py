@@ -22,7 +22,7 @@ flow without $b$, were left out.
 from typing import NamedTuple
 
 from ..core.array_namespace import sqrt
-from ..core.types import Batch, BatchLike
+from ..core.types import Batch
 from ..core.validation import check_choice, check_interval, check_positive
 from .fields import ROOM_PRESSURE
 from .flow_elements import REFERENCE_DENSITY, SonicValve, flow_function
@@ -39,12 +39,12 @@ DENSITIES = {"anr": REFERENCE_DENSITY, "din1343": 1.292}  # kg/m³, of air at th
 
 
 def conductance_from_nominal_flow(
-    flow: BatchLike,
-    b: BatchLike,
-    inlet: BatchLike = 6e5,
-    outlet: BatchLike = 5e5,
+    flow: Batch,
+    b: Batch,
+    inlet: Batch = 6e5,
+    outlet: Batch = 5e5,
     reference: str = "anr",
-    room_pressure: BatchLike = ROOM_PRESSURE,
+    room_pressure: Batch = ROOM_PRESSURE,
 ) -> Batch:
     """Sonic conductance of a valve from its nominal flow of air, equation (F24).
 
@@ -70,7 +70,7 @@ def conductance_from_nominal_flow(
     return flow * density / REFERENCE_DENSITY / (high * fraction)
 
 
-def conductance_from_kv(Kv: BatchLike, b: BatchLike) -> Batch:
+def conductance_from_kv(Kv: Batch, b: Batch) -> Batch:
     """Sonic conductance of a valve for air from its flow coefficient, equation (F25).
 
     `Kv`: flow of water at 1 bar [m³/s]; 1 m³/h is 2.778e-4. `b`: critical pressure ratio [-].
@@ -81,7 +81,7 @@ def conductance_from_kv(Kv: BatchLike, b: BatchLike) -> Batch:
     return Kv * sqrt((1 - b) / 2 * _WATER_DENSITY / air)
 
 
-def conductance_from_cv(Cv: BatchLike, b: BatchLike) -> Batch:
+def conductance_from_cv(Cv: Batch, b: Batch) -> Batch:
     """Sonic conductance of a valve for air from its flow coefficient in US units, equation (F25).
 
     `Cv`: flow of water at 1 psi [US gallons a minute], as data sheets print it; others as of
@@ -92,9 +92,7 @@ def conductance_from_cv(Cv: BatchLike, b: BatchLike) -> Batch:
 
 
 class CatalogValve(NamedTuple):
-    """Valve of the catalog by its `name`: `supply` and `exhaust` with their $C$ and $b$; `source`
-    of the figures.
-    """
+    """Valve of the catalog by its `name`: `supply` and `exhaust`; `source` of the figures."""
 
     name: str
     supply: SonicValve
@@ -106,10 +104,8 @@ def _valve(
     name: str, supply: tuple[float, float], exhaust: tuple[float, float], source: str
 ) -> CatalogValve:
     """Valve of the catalog from printed figures: C [L/(s·bar)] and b [-] of both ways."""
-    supply_valve, exhaust_valve = (
-        SonicValve(C * _LITER_PER_SECOND_BAR, b) for C, b in (supply, exhaust)
-    )
-    return CatalogValve(name, supply_valve, exhaust_valve, source)
+    ways = (SonicValve(C * _LITER_PER_SECOND_BAR, b) for C, b in (supply, exhaust))
+    return CatalogValve(name, *ways, source)
 
 
 def catalog_valves() -> tuple[CatalogValve, ...]:

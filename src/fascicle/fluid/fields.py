@@ -11,13 +11,7 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.module import record
 from ..core.types import Batch, Values
-from ..core.validation import (
-    Range,
-    check_interval,
-    check_plausible,
-    check_positive,
-    is_concrete,
-)
+from ..core.validation import Range, check_interval, check_plausible, check_positive
 
 
 ROOM_PRESSURE = 101325.0  # Pa, absolute: the standard atmosphere
@@ -55,14 +49,14 @@ def interval_field(
     unit: str = "-",
     **default: Any,
 ) -> Any:
-    """Field of a number in a `unit` between `low` and `high` [any unit], each end `closed` or not;
-    `remedy` is part of its error.
+    """Field of a number between `low` and `high`, each end `closed` or not; `remedy` is part of its
+    error.
     """
-    return record(
-        converter=lambda value: check_interval(value, low, high, name, unit, "", closed, remedy),
-        unit=unit,
-        **default,
-    )
+
+    def validate(value: Values) -> Batch:
+        return check_interval(value, low, high, name, unit, "", closed, remedy)
+
+    return record(converter=validate, unit=unit, **default)
 
 
 def component_field(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
@@ -81,12 +75,9 @@ def room_pressure_field(**options: Any) -> Any:
     """Field of the room's pressure, absolute [Pa]; `options` of `record`."""
 
     def validate(value: Values) -> Batch:
-        x = check_interval(value, -np.inf, np.inf, "room_pressure", "Pa")
-        if is_concrete(x) and np.any(np.asarray(x) < _ROOM.least):
-            low, remedy = float(np.min(x)), "at sea level it is 101325 Pa"
-            rule = f"is absolute and must be at least {_ROOM.least:g} Pa"
-            raise InvalidInputError("room_pressure", rule, low, remedy, shown=f"{low:g} Pa")
-        return check_plausible(x, "room_pressure", _ROOM)
+        name, why, remedy = "room_pressure", "(absolute)", "at sea level it is 101325 Pa"
+        x = check_interval(value, _ROOM.least, np.inf, name, "Pa", why, (True, False), remedy)
+        return check_plausible(x, name, _ROOM)
 
     return record(converter=validate, default=ROOM_PRESSURE, unit="Pa", **options)
 

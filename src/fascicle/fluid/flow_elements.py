@@ -65,7 +65,7 @@ from ..core.array_namespace import sqrt, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module
 from ..core.roots import guarded
-from ..core.types import Batch, BatchLike, BoolBatch
+from ..core.types import Batch, BoolBatch
 from ..core.validation import Range, is_concrete
 from .fields import ROOM_TEMPERATURE, component_field, interval_field, positive_field
 
@@ -131,17 +131,16 @@ class Orifice(Module):
 
     def flow(
         self,
-        absolute_1: BatchLike,
-        absolute_2: BatchLike,
-        temperature_1: BatchLike = 0.0,
-        temperature_2: BatchLike = 0.0,
-        opening: BatchLike = 1.0,
+        absolute_1: Batch,
+        absolute_2: Batch,
+        T_1: Batch = 0,
+        T_2: Batch = 0,
+        opening: Batch = 1,
     ) -> Batch:
         """Mass flow [kg/s] from 1 to 2, negative back, equation (F8), at pressures `absolute_1`
-        and `absolute_2` [Pa], both absolute or both gauge; `opening`: $z$ [-], from 0 to 1.
-        `temperature_1`, `temperature_2` of a gas [K] don't count.
+        and `absolute_2` [Pa], both absolute or both gauge; `opening`: $z$ [-], from 0 to 1;
+        temperatures `T_1`, `T_2` [K] don't count.
         """
-        del temperature_1, temperature_2
         drop, z = absolute_1 - absolute_2, opening
         c_orifice = 1 / (2 * self.density * (self.discharge_coefficient * self.area) ** 2)
         root = sqrt(drop**2 + self.critical_pressure_difference**2)
@@ -161,9 +160,8 @@ _DATA_SHEET = "take it from the valve's data sheet"
 class SonicValve(Module):
     """Valve for gas, equation (F4), with a hose behind it (F5).
 
-    `C`: sonic conductance [m³/(s·Pa)], wide open; 1 L/(s·bar) is 1e-8. `b`: critical pressure ratio
-    [-]. `m`: subsonic index [-]. `line`: a hose behind it, or none. `reference_density`:
-    $\\rho_0$ [kg/m³].
+    `C`: sonic conductance [m³/(s·Pa)], wide open; 1 L/(s·bar) is 1e-8. `b`: critical pressure
+    ratio [-]. `m`: subsonic index [-]. `line`: a hose. `reference_density`: $\\rho_0$ [kg/m³].
     """
 
     source: ClassVar[str] = "ISO 6358 (1989, 2013)"
@@ -178,25 +176,20 @@ class SonicValve(Module):
 
     def __check_init__(self):
         if self.line is not None and is_concrete(self.m) and np.any(np.asarray(self.m) != 0.5):
-            remedy = "leave `m` or `line` out"
-            raise InvalidInputError("m", "must be 0.5 with a `line`", float(np.max(self.m)), remedy)
+            m = float(np.max(self.m))
+            raise InvalidInputError("m", "must be 0.5 with a `line`", m, "leave `m` or `line` out")
 
     def flow(
-        self,
-        absolute_1: BatchLike,
-        absolute_2: BatchLike,
-        temperature_1: BatchLike,
-        temperature_2: BatchLike,
-        opening: BatchLike = 1.0,
+        self, absolute_1: Batch, absolute_2: Batch, T_1: Batch, T_2: Batch, opening: Batch = 1.0
     ) -> Batch:
         """Mass flow [kg/s] from 1 to 2, negative back, equation (F4), at pressures `absolute_1`
-        and `absolute_2` [Pa] and temperatures `temperature_1` and `temperature_2` [K], of which
-        that upstream counts; `opening`: of the valve [-], from 0 to 1.
+        and `absolute_2` [Pa] and temperatures `T_1` and `T_2` [K], of which that upstream counts;
+        `opening`: of the valve [-], from 0 to 1.
         """
         onward = absolute_1 >= absolute_2
         high = where(onward, absolute_1, absolute_2)
         low = where(onward, absolute_2, absolute_1)
-        T = where(onward, temperature_1, temperature_2)
+        T = where(onward, T_1, T_2)
         C, b = self.hose_series(onward, opening)
         ratio = low / guarded(high > 0, high)
         turbulent = ratio < LAMINAR_FROM
@@ -205,7 +198,7 @@ class SonicValve(Module):
         size = C * self.reference_density * sqrt(ROOM_TEMPERATURE / T) * psi * driving
         return where(onward, size, -size)
 
-    def hose_series(self, onward: BoolBatch, opening: BatchLike) -> tuple[Batch, Batch]:
+    def hose_series(self, onward: BoolBatch, opening: Batch) -> tuple[Batch, Batch]:
         """Conductance [m³/(s·Pa)] and critical ratio [-] of valve and hose in series."""
         C = opening * self.C
         if self.line is None:
@@ -216,8 +209,8 @@ class SonicValve(Module):
 
 
 def in_series(C_1: Batch, b_1: Batch, C_2: Batch, b_2: Batch) -> tuple[Batch, Batch]:
-    """Conductance [m³/(s·Pa)] and critical ratio [-] of two elements in series, (F5), from those of
-    the first, `C_1` and `b_1`, and the second, `C_2` and `b_2`; one conductance may be zero.
+    """Conductance [m³/(s·Pa)] and critical ratio [-] of two elements in series, (F5), from theirs;
+    one conductance may be zero.
     """
     narrow_end = b_1 * C_2 < C_1  # else the first one alone decides where they choke
     q = where(narrow_end, C_2 / guarded(narrow_end, C_1), 1 / b_1)
@@ -229,11 +222,7 @@ def in_series(C_1: Batch, b_1: Batch, C_2: Batch, b_2: Batch) -> tuple[Batch, Ba
     return C, 1 - of_first**2 * (1 - b_1) - of_second**2 * (1 - b_2)
 
 
-def flow_function(ratio: BatchLike, b: Batch, m: BatchLike = 0.5) -> Batch:
-    """Flow function $\\psi$ [-]: a valve's flow over its choked flow, at a pressure `ratio` [-].
-
-    `ratio`: downstream over upstream, absolute, below 1. `b`: critical ratio, up to which
-    $\\psi$ is 1 [-]. `m`: subsonic index [-].
-    """
+def flow_function(ratio: Batch, b: Batch, m: Batch = 0.5) -> Batch:
+    """Flow over its choked flow, $\\psi$ [-] of (F4), at a pressure `ratio` below 1 [-]."""
     y = where(ratio > b, (ratio - b) / (1 - b), 0.0)
     return (1 - y**2) ** m

@@ -23,7 +23,7 @@ from ..core.array_namespace import absolute as size_of
 from ..core.array_namespace import exp, expm1, log, logical_not, where
 from ..core.module import Module, static
 from ..core.roots import guarded
-from ..core.types import Batch, BatchLike
+from ..core.types import Batch
 from ..core.validation import Range
 from .fields import positive_field
 
@@ -38,10 +38,9 @@ class Gas(Module):
     specific_gas_constant: Batch = positive_field(
         "specific_gas_constant", Range("J/(kg·K)", 10.0, 30.0, 4200.0, 1e4)
     )
+    # 5/3, of a monatomic gas, is usual however it is rounded
     heat_capacity_ratio: Batch = positive_field(
-        # 5/3, of a monatomic gas, is usual however it is rounded
-        "heat_capacity_ratio",
-        Range("-", 1.001, 1.05, 5 / 3 + 1e-9, 2.0),
+        "heat_capacity_ratio", Range("-", 1.001, 1.05, 5 / 3 + 1e-9, 2.0)
     )
     source: str = static(default="")
 
@@ -55,13 +54,9 @@ class Gas(Module):
         """Heat capacity at constant volume [J/(kg·K)]."""
         return self.specific_gas_constant / (self.heat_capacity_ratio - 1)
 
-    def density(self, absolute: BatchLike, temperature: BatchLike) -> Batch:
+    def density(self, absolute: Batch, temperature: Batch) -> Batch:
         """Density [kg/m³] at `absolute` pressure [Pa] and `temperature` [K]."""
         return absolute / (self.specific_gas_constant * temperature)
-
-    def enthalpy(self, temperature: BatchLike) -> Batch:
-        """Specific enthalpy [J/kg] at `temperature` [K], from 0 K on."""
-        return self.c_p * temperature
 
     def flow_exergy(
         self, absolute: Batch, temperature: Batch, room_pressure: Batch, room_temperature: Batch
@@ -74,22 +69,20 @@ class Gas(Module):
 
     def stored_exergy(
         self,
-        mass: BatchLike,
-        absolute: BatchLike,
-        temperature: BatchLike,
-        room_pressure: BatchLike,
-        room_temperature: BatchLike,
+        mass: Batch,
+        absolute: Batch,
+        temperature: Batch,
+        room_pressure: Batch,
+        room_temperature: Batch,
     ) -> Batch:
-        """Exergy [J] of a `mass` [kg] at rest in a volume, (F2), never negative; other arguments
-        [SI] as of `flow_exergy`.
-        """
+        """Exergy [J] of a `mass` [kg] at rest in a volume, (F2); others as of `flow_exergy`."""
         p, T, p_a, T_a = absolute, temperature, room_pressure, room_temperature
         p = guarded(p > 0, p, p_a)
         room_work = self.specific_gas_constant * (T * p_a / p - T_a)
         entropy = self._entropy(p, T, p_a, T_a)
         return mass * (self.c_v * (T - T_a) + room_work - T_a * entropy)
 
-    def _entropy(self, p: BatchLike, T: BatchLike, p_a: BatchLike, T_a: BatchLike) -> Batch:
+    def _entropy(self, p: Batch, T: Batch, p_a: Batch, T_a: Batch) -> Batch:
         """Entropy over the room's [J/(kg·K)]; zero instead of a logarithm of zero."""
         p, T = guarded(p > 0, p, p_a), guarded(T > 0, T, T_a)
         return self.c_p * log(T / T_a) - self.specific_gas_constant * log(p / p_a)
@@ -109,16 +102,16 @@ class Liquid(Module):
     vapor_pressure: Batch = positive_field("vapor_pressure", Range("Pa", 1e-12, 1e-6, 2e4, 1e6))
     source: str = static(default="")
 
-    def density(self, pressure: BatchLike) -> Batch:
+    def density(self, pressure: Batch) -> Batch:
         """Density $\\rho$ [kg/m³] at gauge `pressure` [Pa]."""
         return self.reference_density * exp(pressure / self.bulk_modulus)
 
-    def flow_energy(self, pressure: BatchLike) -> Batch:
+    def flow_energy(self, pressure: Batch) -> Batch:
         """Specific energy of the flow, $h$ [J/kg], at gauge `pressure` [Pa]."""
         K, rho_0 = self.bulk_modulus, self.reference_density
         return -K / rho_0 * expm1(-pressure / K)
 
-    def stored_energy(self, pressure: BatchLike) -> Batch:
+    def stored_energy(self, pressure: Batch) -> Batch:
         """Specific energy at rest, $e$ [J/kg], at gauge `pressure` [Pa]."""
         K, rho_0 = self.bulk_modulus, self.reference_density
         x = pressure / K

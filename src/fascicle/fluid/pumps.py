@@ -23,7 +23,7 @@ import numpy as np
 from ..core.array_namespace import logical_and, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module
-from ..core.types import Batch, BatchLike
+from ..core.types import Batch
 from ..core.validation import Range, is_concrete
 from .fields import component_field, interval_field, positive_field
 from .media import OIL, Liquid
@@ -34,6 +34,9 @@ _SPEED = Range("Hz", 1e-3, 0.1, 1e3, 1e5)  # usually up to 60 000 turns a minute
 _efficiency_field = partial(
     interval_field, low=0.0, high=1.0, closed=(False, True), remedy="1 is without loss", default=1.0
 )
+
+
+_switch_field = partial(interval_field, low=0.0, high=np.inf, unit="Pa")
 
 
 class FixedPump(Module):
@@ -52,40 +55,34 @@ class FixedPump(Module):
     volumetric_efficiency: Batch = _efficiency_field("volumetric_efficiency")
     mechanical_efficiency: Batch = _efficiency_field("mechanical_efficiency")
     liquid: Liquid = component_field("liquid", (Liquid,), default=OIL)
-    switch_on: Batch = interval_field(
-        "switch_on", 0.0, np.inf, (True, False), unit="Pa", default=0.0
-    )
-    switch_off: Batch = interval_field(
-        "switch_off", 0.0, np.inf, (False, True), unit="Pa", default=np.inf
-    )
+    switch_on: Batch = _switch_field("switch_on", closed=(True, False), default=0.0)
+    switch_off: Batch = _switch_field("switch_off", closed=(False, True), default=np.inf)
 
     def __check_init__(self):
-        if is_concrete(self.switch_on, self.switch_off) and np.any(
-            np.asarray(self.switch_off) <= self.switch_on
-        ):
-            high = float(np.min(self.switch_off))
-            rule = f"must lie above `switch_on`, {float(np.max(self.switch_on)):g} Pa"
+        on, off = self.switch_on, self.switch_off
+        if is_concrete(on, off) and np.any(np.asarray(off) <= on):
+            high, rule = float(np.min(off)), f"must lie above `switch_on`, {float(np.max(on)):g} Pa"
             raise InvalidInputError("switch_off", rule, high, "raise it", f"{high:g} Pa")
 
-    def flow(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+    def flow(self, pressure: Batch, on: Batch = 1.0) -> Batch:
         """Mass flow [kg/s] at gauge `pressure` [Pa]; `on` [-]: 1 of a pump that runs, else 0."""
         turn = on * self.displacement * self.speed
         return turn * self.volumetric_efficiency * self.liquid.reference_density + 0.0 * pressure
 
-    def shaft_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+    def shaft_power(self, pressure: Batch, on: Batch = 1.0) -> Batch:
         """Shaft power [W] at gauge `pressure` [Pa]; `on` [-] as of `flow`."""
         return on * self.displacement * self.speed * pressure / self.mechanical_efficiency
 
-    def lost_power(self, pressure: BatchLike, on: BatchLike = 1.0) -> Batch:
+    def lost_power(self, pressure: Batch, on: Batch = 1.0) -> Batch:
         """Lost power [W] at gauge `pressure` [Pa]; `on` [-] as of `flow`."""
         useful = self.flow(pressure, on) * self.liquid.flow_energy(pressure)
         return self.shaft_power(pressure, on) - useful
 
-    def initial_switch(self, pressure: BatchLike) -> Batch:
+    def initial_switch(self, pressure: Batch) -> Batch:
         """Initial state of the switch [-]: 1 at a gauge `pressure` [Pa] below `switch_off`."""
         return where(pressure < self.switch_off, 1.0, 0.0)
 
-    def update_switch(self, on: BatchLike, pressure: BatchLike) -> Batch:
+    def update_switch(self, on: Batch, pressure: Batch) -> Batch:
         """State of the switch [-], 1 or 0, at gauge `pressure` [Pa] after the state `on` [-]."""
         between = logical_and(pressure > self.switch_on, pressure < self.switch_off)
         return where(pressure >= self.switch_off, 0.0, where(between, on, 1.0))

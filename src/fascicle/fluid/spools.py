@@ -44,6 +44,11 @@ class Openings(NamedTuple):
     exhaust: Batch
 
 
+def _check_dead_time(value: Values) -> float:
+    """A dead time [s], refused unless it lies in [0, 10] s."""
+    return float(check_interval(value, 0.0, 10.0, "dead_time", "s", closed=(True, True)))
+
+
 class AbstractSpool(Module):
     """Spools of valves: their motion by commands, and the ports they open; `overlap`: closed share
     of the travel [-], in [0, 1). `dead_time`: from a command to its effect [s], by keyword; a run
@@ -52,14 +57,12 @@ class AbstractSpool(Module):
 
     overlap: ClassVar[Batch]
     dead_time: float = record(
-        default=0.0, converter=lambda x: float(check_interval(x, 0.0, 10.0, "dead_time", "s",
-                                                              closed=(True, True))),
-        kw_only=True, static=True, unit="s",
-    )  # fmt: skip
+        default=0.0, converter=_check_dead_time, kw_only=True, static=True, unit="s"
+    )
 
-    @abc.abstractmethod
     def state_count(self, units: int) -> int:
-        """Number of spools with a state for a number of `units`."""
+        """Number of spools with a state for a number of `units`: one each, if not overridden."""
+        return units
 
     @abc.abstractmethod
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
@@ -74,9 +77,7 @@ class AbstractSpool(Module):
         return opening
 
     def _port_openings(self, position: Numbers) -> Openings:
-        """Openings [-], (F9), at a `position` of the spool [-]: to the supply if positive, else to
-        the exhaust.
-        """
+        """Openings [-], (F9), at a `position` of the spool [-]."""
         # at the edges a derivative is the mean of both sides', as differences have it
         supply, exhaust = (
             minimum(maximum(side - self.overlap, 0.0) / (1 - self.overlap), 1.0)
@@ -92,16 +93,13 @@ class Direct(AbstractSpool):
     overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
     def state_count(self, units: int) -> int:
-        """Zero spools with a state, for any number of `units`."""
         return 0 * units
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Empty rates [1/s]: the `spool` [-] has no state, at any `command` [-]."""
         return 0.0 * command[..., :0] + spool
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Openings [-], (F9), at the `command` [-]; the `spool` [-] doesn't count."""
-        del spool
+        """Openings [-], (F9), at the `command` [-]."""
         return self._port_openings(command)
 
 
@@ -115,17 +113,11 @@ class Servovalve(AbstractSpool):
     time_constant: Batch = positive_field("time_constant", _TIME)
     overlap: Batch = interval_field("overlap", 0.0, 1.0, closed=(True, False), default=0.0)
 
-    def state_count(self, units: int) -> int:
-        """One spool with a state for each of the `units`."""
-        return units
-
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
         """Rate of the `spool` [1/s] towards its `command` [-], equation (F10)."""
         return (command - spool) / self.time_constant
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
-        """Openings [-], (F9), at the `spool` [-]; the `command` [-] doesn't count."""
-        del command
         return self._port_openings(spool)
 
 
@@ -141,13 +133,8 @@ class Solenoid(AbstractSpool):
     opening_delay: Batch = positive_field("opening_delay", _TIME)
     closing_delay: Batch = positive_field("closing_delay", _TIME)
 
-    def state_count(self, units: int) -> int:
-        """A clock, in periods, for each of the `units`."""
-        return units
-
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        """Rate of the clocks `spool` [1/s], at any `command` [-]."""
-        return 1 / self.period + 0.0 * (command + spool)
+        return 1 / self.period + 0.0 * (command + spool)  # of each unit's clock, in periods
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
         """Openings [-], (F11), at a `command` [-] and clocks `spool` [-]."""
@@ -162,7 +149,6 @@ class Solenoid(AbstractSpool):
         return Openings(where(command > 0, z, 0.0), where(command < 0, z, 0.0))
 
     def command_at(self, opening: Numbers) -> Numbers:
-        """Command [-] for a mean `opening` [-], by (F11), zero where it is nearly shut."""
         correction = (self.opening_delay - self.closing_delay) / self.period
         duty_cycle = minimum(maximum(absolute(opening) + correction, 0.0), 1.0)
         return where(opening > 0, duty_cycle, where(opening < 0, -duty_cycle, 0.0))
@@ -170,6 +156,5 @@ class Solenoid(AbstractSpool):
 
 def validate_commands(command: Values, name: str = "command") -> Numbers:
     """A `command` called `name` as floats [-]; `InvalidInputError` outside [-1, 1]."""
-    return check_interval(
-        command, -1.0, 1.0, name, "-", "from open exhaust to open supply", closed=(True, True)
-    )
+    why = "from open exhaust to open supply"
+    return check_interval(command, -1.0, 1.0, name, "-", why, closed=(True, True))
