@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import dynamics, fluid
-from fascicle.dynamics.energy_ledger import LEDGER
+from fascicle.dynamics.outputs import LEDGER
 
 
 few = settings(

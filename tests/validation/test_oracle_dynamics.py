@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import dynamics, fluid
-from fascicle.dynamics.energy_ledger import LEDGER, STORES
+from fascicle.dynamics.outputs import LEDGER, STORES
 
 
 IDEAL = oracle_muscle.Muscle(tension="ideal", material=oracle_muscle.SILICONE)

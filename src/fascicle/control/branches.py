@@ -96,7 +96,12 @@ class Branches(Module):
             unit = int(np.flatnonzero(muscles.indices == index)[0])
             low, high = (float(end[unit]) for end in muscles.strains)
             rows.append(
-                _tabulate_branch(muscles, unit, np.linspace(low, high, muscles.columns + 1), top)
+                _tabulate_branch(
+                    muscles,
+                    unit,
+                    np.linspace(low, high, muscles.table.coefficients.shape[-3] + 1),
+                    top,
+                )
             )
         return cls(muscles, np.float64(top), *map(np.stack, zip(*rows, strict=True)))
 

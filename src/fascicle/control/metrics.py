@@ -17,8 +17,7 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.types import Marks, Numbers, Values
 from ..dynamics import Trajectory
-from ..dynamics.energy_ledger import LEDGER
-from ..dynamics.outputs import PlantOutputs
+from ..dynamics.outputs import LEDGER, PlantOutputs
 from .controller import Cascade
 
 

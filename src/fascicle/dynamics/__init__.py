@@ -33,9 +33,9 @@ from .loads import Stop as Stop
 from .motion import State as State
 from .outputs import PlantOutputs as PlantOutputs
 from .plant import Plant as Plant
-from .schedule import Measurement as Measurement
-from .schedule import Schedule as Schedule
+from .simulate import Measurement as Measurement
+from .simulate import Schedule as Schedule
+from .simulate import StepSizeEstimate as StepSizeEstimate
 from .simulate import Trajectory as Trajectory
+from .simulate import estimate_substeps as estimate_substeps
 from .simulate import simulate as simulate
-from .step_size import StepSizeEstimate as StepSizeEstimate
-from .step_size import estimate_substeps as estimate_substeps

@@ -21,16 +21,16 @@ measures how far a run can be trusted.
 **Source:** first and second law for open systems: Bejan (2016).
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..core.errors import InvalidInputError
+from ..core.types import Numbers
 from ..fluid import AdiabaticWall
 from ..muscle.hysteresis import MaxwellSlip
-from .energy_ledger import LEDGER, STORES
 from .muscles import ExactMuscles
-from .outputs import STATUS
+from .outputs import LEDGER, STATUS, STORES
 from .plant import Plant
 from .simulate import Trajectory
 
@@ -40,7 +40,7 @@ from .simulate import Trajectory
 # that begin to slip, a stop), and where terms are counted: rounding
 SMOOTH, TABULATED, KINKED, COUNTED = 1e-6, 1e-5, 1e-4, 1e-12
 
-MESSAGES = {  # of events, by their names in `STATUS`
+_MESSAGES = {  # of events, by their names in `STATUS`
     "folded": "a muscle's volume fell with pressure by more than its fluid and hose expand:"
     " its pressure isn't unique; give the chamber more dead volume or compliance",
     "cavitates": "a unit was sucked empty: its fluid can't follow",
@@ -51,11 +51,8 @@ MESSAGES = {  # of events, by their names in `STATUS`
     "stiff": "it would have needed more than 64 substeps; take a smaller `dt`",
     "broken": "numbers are not finite; take a smaller `dt`",
 }
-# names of a supply's losses in its balance
-_LOSSES = {"pump_lost": "lost in the pump"}
-_BY_VOLUME = "made by the volume"  # name of a term, as JSON has it
-_CONJUGATE = "the straight braid's doesn't go with the force, take volume = \"conjugate\""
 _HARMLESS = ("supply_empty", "stop")  # events that are no reason to doubt the run
+_MADE = "made by the volume"  # name of a term, as JSON has it
 
 
 class Balance(NamedTuple):
@@ -63,8 +60,8 @@ class Balance(NamedTuple):
 
     `name` and `unit`; its `inputs` and `outputs`, by name [J or kg]; the `residual`, inputs less
     outputs [J or kg], and the `relative_residual`, over the largest term [-]; `tolerance`: the
-    largest relative residual at which it closes [-]; a `remedy` if
-    it doesn't close for a known reason.
+    largest relative residual at which it closes [-]; a `remedy` if it doesn't close for a known
+    reason.
     """
 
     name: str
@@ -107,21 +104,18 @@ class Audit(NamedTuple):
         return all(x.closes for x in self.balances) and all(x.trusted for x in self.events)
 
     def __str__(self) -> str:
-        """Balances and events as text."""
         lines = []
         for balance in self.balances:
             verdict = "closes" if balance.closes else "DOES NOT CLOSE"
             residual = f"residual {balance.relative_residual:.1e} of its largest term"
             lines += [f"{balance.name}: {verdict}, {residual}"]
             lines += [f"  {balance.remedy}"] if balance.remedy else []
-            for side, terms in (("in", balance.inputs), ("out", balance.outputs)):
-                lines += [
-                    f"  {side:>3} {name:<28} {value:>14.6g} {balance.unit}"
-                    for name, value in terms.items()
-                ]
-        lines += [
-            f"{event.name} from {event.first:.4g} s: {event.message}" for event in self.events
-        ]
+            sides = ("in", balance.inputs), ("out", balance.outputs)
+            terms = [(side, *term) for side, entries in sides for term in entries.items()]
+            lines += [
+                f"  {side:>3} {name:<28} {x:>14.6g} {balance.unit}" for side, name, x in terms
+            ]
+        lines += [f"{x.name} from {x.first:.4g} s: {x.message}" for x in self.events]
         return "\n".join(lines)
 
 
@@ -136,50 +130,54 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     """
     if np.ndim(run.time) != 1 or np.ndim(run.ledger) != 2:
         raise InvalidInputError("run", "must be one run", np.shape(run.ledger), shown="a batch")
-    ledger, largest = _changes(LEDGER, run.ledger)
-    stores, largest_stores = _changes(STORES, run.outputs.store)
-    largest |= {f"Δ{name}": value for name, value in largest_stores.items()}
-
     law = SMOOTH if isinstance(plant.muscles, ExactMuscles) else TABULATED
     is_kinked = isinstance(plant.hysteresis, MaxwellSlip) or plant.load.stop is not None
     quantity = "energy" if plant.liquid else "exergy"
     losses = ("valve",) if plant.liquid else ("valve", "exhaust", "mixing", "wall")
+    # every term as a row in time: at the end of a cycle all may be zero again
+    ledger = dict(zip(LEDGER, np.asarray(run.ledger).T, strict=True))
+    stores = dict(zip(STORES, np.asarray(run.outputs.store).T, strict=True))
     balances = [
-        _balance(f"{quantity} of the fluid", law, largest, {"supplied": ledger["supplied"]},
+        _balance(f"{quantity} of the fluid", law, {"supplied": ledger["supplied"]},
                  {**{name: ledger[name] for name in losses},
                   "work on the muscles": ledger["fluid_work"],
-                  "stored in the fluid": stores["fluid"]},
-                 ("supplied", *losses, "fluid_work", "Δfluid")),
-        _balance("energy of the muscles", law, largest, {"work of the fluid": ledger["fluid_work"]},
+                  "stored in the fluid": stores["fluid"]}),
+        _balance("energy of the muscles", law, {"work of the fluid": ledger["fluid_work"]},
                  {"pull on the load": ledger["pull"], "stored in the muscles": stores["muscles"]},
-                 ("fluid_work", "pull", "Δmuscles"), volume=ledger["mismatch"]),
-        _balance("energy of the motion", KINKED if is_kinked else law, largest,
+                 mismatch=ledger["mismatch"]),
+        _balance("energy of the motion", KINKED if is_kinked else law,
                  {"pull of the muscles": ledger["pull"], "motor": ledger["motor"]},
                  {"kinetic": stores["motion"], "potential": stores["load"],
                   "damper": ledger["damper"], "stop, lost": ledger["stop"],
                   "stop, stored": stores["stop"], "friction, lost": ledger["friction"],
-                  "friction, stored": stores["friction"]},
-                 ("pull", "motor", "Δmotion", "Δload")),
+                  "friction, stored": stores["friction"]}),
     ]  # fmt: skip
     mass = np.sum(np.asarray(run.outputs.masses), axis=-1)
-    outputs = {"held": mass[-1] - mass[0]}
-    balances.append(
-        _balance("mass of the fluid", COUNTED, largest | {"held": float(np.max(mass))},
-                 {"flowed in": ledger["mass"]}, outputs, ("mass", "held"), unit="kg")
-    )  # fmt: skip
+    counted = {"flowed in": ledger["mass"]}, {"held": mass}
+    balances.append(_balance("mass of the fluid", COUNTED, *counted, unit="kg", size=np.max(mass)))
     if plant.liquid and plant.supply.count:
-        balances.append(_supply_balance(plant, run, ledger, largest))
+        reserve = np.asarray(run.outputs.reserve)
+        spent = plant.supply.drive_energies(reserve)
+        inputs = {"shaft": spent.get("shaft_work", 0.0 * mass)}
+        outputs = {
+            "supplied": ledger["supplied"],
+            "stored in the supply": np.asarray(plant.supply.stored_energy(reserve)),
+        }
+        if "pump_lost" in spent:
+            outputs["lost in the pump"] = spent["pump_lost"]
+        balances.append(_balance("energy of the supply", SMOOTH, inputs, outputs))
     if isinstance(plant.chamber, AdiabaticWall):
         # U = p V/(γ − 1), from the outputs rather than from the state that was integrated
         p = np.asarray(run.outputs.pressures) + plant.chamber.room_pressure
         V = np.asarray(run.outputs.volumes) + plant.chamber.dead_volume
         U = np.sum(p * V, axis=-1) / (plant.chamber.gas.heat_capacity_ratio - 1)
-        outputs = {"heat through the wall": ledger["heat"], "work, absolute": ledger["displaced"],
-                "internal energy": U[-1] - U[0]}  # fmt: skip
-        terms = ("enthalpy", "heat", "displaced", "held")
-        largest = largest | {"held": float(np.max(U))}
+        outputs = {
+            "heat through the wall": ledger["heat"],
+            "work, absolute": ledger["displaced"],
+            "internal energy": U,
+        }
         inputs = {"enthalpy": ledger["enthalpy"]}
-        balances.append(_balance("first law", SMOOTH, largest, inputs, outputs, terms))
+        balances.append(_balance("first law", SMOOTH, inputs, outputs, size=np.max(U)))
     return Audit(tuple(balances), events(run))
 
 
@@ -197,11 +195,8 @@ def audit_run(plant: Plant, run: Trajectory) -> tuple[Audit | None, list[str]]:
         for balance in (audited.balances if audited else ())
         if not balance.closes
     ]
-    doubts += [
-        f"{event.name} from {event.first:g} s, {event.message}"
-        for event in events(run)
-        if not event.trusted
-    ]
+    doubtful = [event for event in events(run) if not event.trusted]
+    doubts += [f"{event.name} from {event.first:g} s, {event.message}" for event in doubtful]
     return audited, doubts
 
 
@@ -211,51 +206,33 @@ def events(run: Trajectory) -> tuple[Event, ...]:
     for bit, name in enumerate(STATUS):
         times = time[np.flatnonzero(status & (1 << bit))].tolist()
         if times:
-            number, harmless = len(times), name in _HARMLESS
-            result.append(Event(name, times[0], times[-1], number, MESSAGES[name], harmless))
+            span = times[0], times[-1], len(times)
+            result.append(Event(name, *span, _MESSAGES[name], name in _HARMLESS))
     return tuple(sorted(result, key=lambda event: event.first))
 
 
-def _changes(names: tuple[str, ...], rows: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Changes of named quantities from a run's start to its end, and their largest meanwhile."""
-    change = np.asarray(rows) - np.asarray(rows)[0]
-    largest = np.abs(change).max(axis=0)
-    return dict(zip(names, change[-1], strict=True)), dict(zip(names, largest, strict=True))
-
-
 def _balance(
-    name: str, tolerance: float, largest: dict[str, Any], inputs: dict[str, Any],
-    outputs: dict[str, Any], terms: tuple[str, ...], unit: str = "J", volume: float | None = None,
-) -> Balance:  # fmt: skip
-    """Balance of a store's `inputs` and `outputs`, over the largest of its `terms`."""
-    inputs = {key: float(value) for key, value in inputs.items()}
-    outputs = {key: float(value) for key, value in outputs.items()}
-    residual = sum(inputs.values()) - sum(outputs.values())
-    # the largest of any term meanwhile: at the end of a cycle all may be zero again
-    size = max(
-        [*(largest[term] for term in terms), *map(abs, (*inputs.values(), *outputs.values()))]
-    )
-    remedy = ""
-    if volume is not None:  # named, but part of the residual all the same: it comes from nowhere
-        outputs[_BY_VOLUME] = volume = float(volume)
-        if abs(volume) > tolerance * size:
-            remedy = f"{volume:.3g} J of it are {_BY_VOLUME}: {_CONJUGATE}"
-    relative = abs(residual) / size if size > 0 else 0.0
-    return Balance(name, unit, inputs, outputs, residual, relative, tolerance, remedy)
-
-
-def _supply_balance(
-    plant: Plant, run: Trajectory, ledger: dict[str, Any], largest: dict[str, Any]
+    name: str,
+    tolerance: float,
+    inputs: dict[str, Numbers],
+    outputs: dict[str, Numbers],
+    unit: str = "J",
+    size: float = 0.0,
+    mismatch: Numbers | None = None,
 ) -> Balance:
-    """Energy balance of the supply [J]: in, its shaft work; out, what the bundle drew, what the
-    supply lost, and the rise of its stored energy.
+    """Balance of rows in time, over the largest change of any of them or a given `size`; a
+    `mismatch` is named, but is part of the residual all the same: it comes from nowhere.
     """
-    reserve = np.asarray(run.outputs.reserve)
-    stored = np.asarray(plant.supply.stored_energy(reserve))
-    spent = {name: x[-1] - x[0] for name, x in plant.supply.drive_energies(reserve).items()}
-    inputs = {"shaft": spent.pop("shaft_work", 0.0)}
-    losses = {_LOSSES.get(name, name): x for name, x in spent.items()}
-    outputs = {"supplied": ledger["supplied"], "stored in the supply": stored[-1] - stored[0]}
-    largest = largest | {"held": float(np.max(np.abs(stored - stored[0])))}
-    terms = ("supplied", "held")
-    return _balance("energy of the supply", SMOOTH, largest, inputs, outputs | losses, terms)
+    rows = [row - row[0] for row in (*inputs.values(), *outputs.values())]
+    size = max(size, *(float(np.max(np.abs(row))) for row in rows))
+    ends_in, ends_out = (
+        {key: float(row[-1] - row[0]) for key, row in side.items()} for side in (inputs, outputs)
+    )
+    residual, remedy = sum(ends_in.values()) - sum(ends_out.values()), ""
+    if mismatch is not None:
+        ends_out[_MADE] = made = float(mismatch[-1] - mismatch[0])
+        if abs(made) > tolerance * size:
+            advice = "the straight braid's doesn't go with the force, take volume = \"conjugate\""
+            remedy = f"{made:.3g} J of it are {_MADE}: {advice}"
+    relative = float(abs(residual) / size) if size > 0 else 0.0
+    return Balance(name, unit, ends_in, ends_out, residual, relative, tolerance, remedy)

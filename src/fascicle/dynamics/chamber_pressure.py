@@ -50,8 +50,7 @@ class ChamberEvaluation(NamedTuple):
     """Evaluation of a plant's chambers at `pressures` [Pa]: volumes, and the residual of the state.
 
     `muscles` of each unit; the `volume` they fill [m³] with its slopes by strain [m³] and pressure
-    [m³/Pa]; the residual (F12) as a `residual` [SI]; `volume_sensitivity`,
-    $g_s \\cdot \\dot s_{\\dot V} + g_V$ [SI].
+    [m³/Pa]; the `residual` (F12) [SI]; `volume_sensitivity`, $g_s \\cdot \\dot s_{\\dot V} + g_V$.
     """
 
     pressures: Numbers
@@ -74,32 +73,21 @@ class ChamberEvaluation(NamedTuple):
 
     @property
     def pressure_slope(self) -> Numbers:
-        """Slope of the residual by pressure, when the walls' work changes the state as the volume
-        follows pressure, the denominator of (T4):
-        $g_P + (g_s \\cdot \\dot s_{\\dot V} + g_V)\\,V_P$ [SI].
-        """
+        """Denominator of (T4) [SI]: the slope with the walls' work, as volume follows pressure."""
         return self.residual.by_pressure + self.volume_sensitivity * self.by_pressure
 
-    @property
-    def newton_step(self) -> Numbers:
-        """Newton's step [Pa] towards the root."""
-        return -self.residual.value / self._nonzero_slope(self.slope)
-
-    @property
-    def newton_step_with_work(self) -> Numbers:
-        """Newton's step [Pa] towards the root, by the slope with the work of the walls."""
-        return -self.residual.value / self._nonzero_slope(self.pressure_slope)
+    def newton_step(self, slope: Numbers) -> Numbers:
+        """Newton's step [Pa] towards the root, by a `slope` of the residual [SI]."""
+        return -self.residual.value / self._nonzero_slope(slope)
 
     @property
     def is_unsolved(self) -> BoolBatch:
         """True where Newton's step is longer than 1 Pa plus 1e-4 of the pressure."""
         # such a step changes the force by a ten-thousandth, less than a load cell shows
-        return absolute(self.newton_step) > 1.0 + 1e-4 * absolute(self.pressures)
+        return absolute(self.newton_step(self.slope)) > 1.0 + 1e-4 * absolute(self.pressures)
 
     def pressure_rate(self, fixed_volume_rate: Numbers, strain_rate: Batch) -> Numbers:
-        """Rate of pressure $\\dot P$ [Pa/s], equation (T4), of chambers with a `fixed_volume_rate`
-        [SI], at a `strain_rate` [1/s].
-        """
+        """Rate of pressure [Pa/s], (T4): `fixed_volume_rate` [SI] at a `strain_rate` [1/s]."""
         xp = array_namespace(fixed_volume_rate, strain_rate)
         flowing = xp.sum(self.residual.by_state * fixed_volume_rate, axis=-1)
         push = flowing + self.volume_sensitivity * self.by_strain * strain_rate
@@ -117,15 +105,15 @@ def evaluate_chambers(
     """Volumes and residual (F12) of `chambers` [SI] of a `plant` at `strains` [-] and given
     `pressures` [Pa], which aren't solved for.
     """
-    return assemble_chambers(plant, chambers, pressures, *muscle_volumes(plant, strains, pressures))
+    return _evaluate_residual(
+        plant, chambers, pressures, *muscle_volumes(plant, strains, pressures)
+    )
 
 
 def muscle_volumes(
     plant: "Plant", strains: Numbers, pressures: Numbers
 ) -> tuple[MuscleState, MuscleVolumes]:
-    """State of one muscle of each unit of a `plant` at `strains` [-] and `pressures` [Pa], and
-    the volume of all muscles of each unit [m³].
-    """
+    """One muscle of each unit at `strains` [-] and `pressures` [Pa], and volumes of all [m³]."""
     n, muscles = plant.counts, plant.muscles.at(pressures, strains)
     V, by_strain, by_pressure = plant.muscles.volumes(muscles, strains, plant.lengths)
     result = muscles, MuscleVolumes(n * V, n * by_strain, n * by_pressure)
@@ -133,23 +121,15 @@ def muscle_volumes(
     return result if array_namespace(V) is np else lax.optimization_barrier(result)
 
 
-def assemble_chambers(
-    plant: "Plant",
-    chambers: Numbers,
-    pressures: Numbers,
-    muscles: MuscleState,
-    volumes: MuscleVolumes,
+def _evaluate_residual(
+    plant: "Plant", chambers: Numbers, P: Numbers, muscles: MuscleState, volumes: MuscleVolumes
 ) -> ChamberEvaluation:
-    """Chambers at `pressures` [Pa], with the residual (F12) of their fluid and its slopes.
-
-    As `evaluate_chambers`, for `muscles` [SI] and `volumes` [m³] of all of a unit's muscles that
-    were computed before; `chambers`: states of the fluid in a `plant` [SI].
-    """
+    """Chambers at pressures `P` [Pa], for the `muscles` and `volumes` [SI] there."""
     V, by_strain, by_pressure = volumes
-    g = plant.chamber.state_residual(chambers, pressures, V)
-    per_volume = g.by_state * plant.chamber.per_volume_rate(chambers, pressures)
+    g = plant.chamber.state_residual(chambers, P, V)
+    per_volume = g.by_state * plant.chamber.per_volume_rate(chambers, P)
     sensitivity = array_namespace(per_volume).sum(per_volume, axis=-1) + g.by_volume
-    return ChamberEvaluation(pressures, muscles, V, by_strain, by_pressure, g, sensitivity)
+    return ChamberEvaluation(P, muscles, V, by_strain, by_pressure, g, sensitivity)
 
 
 def solve_pressures(
@@ -161,7 +141,8 @@ def solve_pressures(
     lowest = plant.chamber.lowest_pressure
 
     def newton(P: Numbers, _: None) -> tuple[Numbers, None]:
-        step = evaluate_chambers(plant, chambers, strains, P).newton_step
+        at = evaluate_chambers(plant, chambers, strains, P)
+        step = at.newton_step(at.slope)
         return maximum(P + step, (P + lowest) / 2), None  # half-way to no fluid at most
 
     if array_namespace(chambers, strains, guess) is np:
@@ -174,7 +155,7 @@ def solve_pressures(
 
 class ProjectedChambers(NamedTuple):
     """Chambers after a correction of their pressures: states of the `chambers` [SI], `pressures`
-    [Pa], the `work` $-\\int V\\,\\mathrm{d}P$ of the correction, summed over units [J], and the
+    [Pa], the `work` $-\\int V\\,\\mathrm{d}P$ of the correction, of all units [J], and the
     `mismatch`, the part of it that the conjugate volume would not do [J].
     """
 
@@ -187,9 +168,8 @@ class ProjectedChambers(NamedTuple):
 def conserved_state(
     chamber: AbstractChamber, chambers: Numbers, pressures: Numbers, volumes: Numbers
 ) -> Numbers:
-    """Conserved states $k$ [SI], (T6), of states `chambers` [SI] of a `chamber` at `pressures`
-    [Pa], with `volumes` of muscles [m³]: mass, and $U + p V$ where the state holds an energy. Their
-    rates have no term in the rate of volume.
+    """Conserved states $k$ [SI], (T6), of states `chambers` [SI] at `pressures` [Pa], with
+    `volumes` of muscles [m³]: mass, and $U + p V$ where the state holds an energy.
     """
     return chambers - chamber.per_volume_rate(chambers, pressures) * volumes[..., None]
 
@@ -201,8 +181,8 @@ def conserved_rates(
     pressure_rates: Numbers,
     volumes: Numbers,
 ) -> Numbers:
-    """Rates $\\dot k$ of the conserved states [SI], equation (T6), of states `chambers` [SI] of a
-    `chamber` with a `fixed_volume_rate` [SI], at `pressure_rates` [Pa/s] and `volumes` [m³].
+    """Rates $\\dot k$ of the conserved states [SI], equation (T6), of states `chambers` [SI] with a
+    `fixed_volume_rate` [SI], at `pressure_rates` [Pa/s] and `volumes` [m³].
     """
     push, P_dot = chamber.per_volume_rate, pressure_rates
     folded = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)
@@ -225,7 +205,8 @@ def project_chambers(
         if i:
             muscles, volumes = muscle_volumes(plant, strains, P)
             s = s_0 + push(s_0, (guess + P) / 2) * (volumes.volume - V_0)[..., None]
-        step = assemble_chambers(plant, s, P, muscles, volumes).newton_step_with_work
+        at = _evaluate_residual(plant, s, P, muscles, volumes)
+        step = at.newton_step(at.pressure_slope)
         P, before = maximum(P + step, (P + lowest) / 2), P  # half-way to no fluid at most
     last = P - before
     V = volumes.volume + volumes.by_pressure * last

@@ -46,38 +46,35 @@ def equilibrium_state(
     closed = (True, True)
     P = check_interval(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", closed)
     if np.ndim(P) and np.shape(P) != (plant.units,):
-        raise InvalidInputError(
-            "pressures", f"must be one for each of the {plant.units} units", np.size(P)
-        )
+        rule = f"must be one for each of the {plant.units} units"
+        raise InvalidInputError("pressures", rule, np.size(P))
     P = np.broadcast_to(P, (plant.units,)) + 0.0
-    load = plant.load
+    load, v = plant.load, 0.0
     low, high = plant.stroke
     if not low < high:
-        raise InvalidInputError(
-            "load",
-            "must leave a stroke on which all muscles are within their tables",
-            low,
-            "take other lengths, or another contraction at the start",
-            shown="none",
-        )
-    v = 0.0
-    if load.prescribed and position is not None:
-        rule, remedy = "must be left out with a prescribed motion", "the load gives its own"
-        raise InvalidInputError("position", rule, position, remedy)
+        rule = "must leave a stroke on which all muscles are within their tables"
+        remedy = "take other lengths, or another contraction at the start"
+        raise InvalidInputError("load", rule, low, remedy, shown="none")
+
+    def check_position(q: Values) -> Numbers:
+        why = "where the muscles' tables end"
+        return check_interval(q, low, high, "position", load.unit, why, (True, True))
+
     if load.prescribed:
-        q, v = (float(x) for x in load.motion_at(0.0, 0.0, 0.0))
-        size = float(np.max(np.asarray(getattr(load, "amplitude", 0.0))))
-        _check_position(q - size, low, high, load.unit)
-        _check_position(q + size, low, high, load.unit)
+        if position is not None:
+            rule, remedy = "must be left out with a prescribed motion", "the load gives its own"
+            raise InvalidInputError("position", rule, position, remedy)
+        q, v = load.motion_at(0.0, 0.0, 0.0)
+        check_position(q + np.max(getattr(load, "amplitude", 0.0)) * np.array([-1.0, 1.0]))
     elif position is not None:
-        q = float(check_interval(position, -np.inf, np.inf, "position", load.unit))
-        q = _check_position(q, low, high, load.unit)
+        q = check_position(position)
     else:
         q = _find_equilibrium(plant, P, low, high)
     spools = plant.spool.state_count(plant.units)
     spool = np.zeros(spools) if command is None else validate_commands(command) + np.zeros(spools)
     supply = np.asarray(plant.supply.initial_state(), float)
-    return State(np.float64(q), np.float64(v), spool, plant.chambers_at(P, q), P, supply)
+    q, v = np.float64(q), np.float64(v)
+    return State(q, v, spool, plant.chambers_at(P, q), P, supply)
 
 
 def holding_pressures(
@@ -100,39 +97,24 @@ def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float)
     def net_force(q: Any) -> Any:
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = plant.strains(np.asarray(q)[..., None])
-            pull = np.asarray(plant.muscles.force(pressures + 0.0 * eps, eps))
-        stop = plant.load.stop
-        stop_force = stop.force(q, 0.0 * q)[0] if stop else 0.0
-        return (
-            np.sum(plant.counts * plant.lengths * plant.gains * pull, axis=-1)
-            + plant.load.force(q)
-            - stop_force
-        )
+            pull = np.asarray(plant.muscles.at(pressures + 0.0 * eps, eps).force)
+        outside = load.force(q) - (load.stop.force(q, 0.0 * q)[0] if load.stop else 0.0)
+        return np.sum(plant.counts * plant.lengths * plant.gains * pull, axis=-1) + outside
 
-    positions = np.linspace(low, high, _POSITIONS)
+    load, positions = plant.load, np.linspace(low, high, _POSITIONS)
     residuals = np.asarray(net_force(positions))
     falls = np.flatnonzero((residuals[:-1] > 0) & (residuals[1:] <= 0))
     if not falls.size:
-        side = "weak" if residuals[0] <= 0 else "strong"
-        worst = residuals[0 if side == "weak" else -1]
-        far = low if residuals[0] <= 0 else high
-        raise InvalidInputError(
-            "load",
-            "must be one that the bundle can hold at rest",
-            float(worst),
-            f"at these pressures it is too {side} by {abs(worst):.4g}"
-            f" {'N' if plant.load.unit == 'm' else 'N·m'} even at {far:.4g} {plant.load.unit}:"
-            " begin at other pressures, or give `position`, from which it then starts",
-            shown="",
+        side, end, far = ("weak", 0, low) if residuals[0] <= 0 else ("strong", -1, high)
+        worst, unit = float(residuals[end]), "N" if load.unit == "m" else "N·m"
+        rule = "must be one that the bundle can hold at rest"
+        remedy = (
+            f"at these pressures it is too {side} by {abs(worst):.4g} {unit} even at {far:.4g}"
+            f" {load.unit}: begin at other pressures, or give `position`, from which it then starts"
         )
+        raise InvalidInputError("load", rule, worst, remedy, shown="")
     k = falls[0]
     if residuals[k + 1] == 0:
         return float(positions[k + 1])
     bracket = (positions[k], positions[k + 1])
     return float(root_scalar(net_force, bracket=bracket, xtol=1e-16, rtol=1e-14).root)  # rounding
-
-
-def _check_position(position: float, low: float, high: float, unit: str) -> float:
-    """The `position` [SI], refused where the muscles' tables end."""
-    why = "where the muscles' tables end"
-    return float(check_interval(position, low, high, "position", unit, why, (True, True)))

@@ -9,7 +9,6 @@ their steps fail at kinks.
 
 import math
 from itertools import pairwise
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -18,15 +17,13 @@ import numpy as np
 from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy
-from ..core.types import Batch, Numbers, Values
+from ..core.types import Batch, BoolBatch, Numbers, Values
 from ..core.validation import check_positive
-from .energy_ledger import LEDGER, ledger_rates, pressure_volume_term
 from .equilibrium import equilibrium_state
-from .motion import FrictionMemory, State, evaluate_plant, time_derivative
-from .outputs import PlantOutputs, observe
+from .motion import PlantEvaluation, State, evaluate_plant, relaxed_friction, time_derivative
+from .outputs import LEDGER, PlantOutputs, ledger_rates, observe, pressure_volume_term
 from .plant import Plant
-from .schedule import Schedule
-from .simulate import Trajectory, project_pressures
+from .simulate import Schedule, Trajectory, project_pressures
 
 
 _MAX_STEPS = 1_000_000  # some minutes: more than a user waits for
@@ -69,47 +66,38 @@ def integrate(
         raise InvalidInputError("times", "must begin at 0 s and rise", t.shape, shown="others")
     tolerance = float(check_positive(tolerance, "tolerance", "-"))
     begin = equilibrium_state(plant) if start is None else start
-    size = _scales(plant, begin)
+    scales = jnp.asarray(_scales(plant, begin))
     row = _pack_row(begin, np.zeros(len(LEDGER)))
     row_blocks = [row[None]]
     # a leg for each command: no stage sees the next one
     acting = schedule.delayed(plant.spool.dead_time)
     edges = [*acting.times[acting.times < t[-1]], t[-1]]
-    time_blocks = [np.zeros(1)]
     legs = [(low, high, t[(t > low) & (t <= high)]) for low, high in pairwise(edges)]
     max_points = 1 + max(len(inside) for _, _, inside in legs)
     for low, high, inside in legs:
-        output_times = np.unique(np.append(inside, high))
+        leg_times = np.unique(np.append(inside, high))
         # as many times in each leg, so that one compilation serves all
-        extra = np.linspace(low, output_times[0], max_points - len(output_times) + 2)[1:-1]
-        output_times = np.append(extra, output_times)
-        command = acting.at(low)
-        arrays = (jnp.asarray(x) for x in (row, command, output_times, size))
-        success, rows = _integrate_command(plant, low, tolerance, *arrays)
+        extra = np.linspace(low, leg_times[0], max_points - len(leg_times) + 2)[1:-1]
+        leg_times = jnp.append(extra, leg_times)
+        command = jnp.asarray(acting.at(low))
+        success, rows = _integrate_leg(plant, low, tolerance, row, command, leg_times, scales)
         if not bool(success):
-            raise InvalidInputError(
-                "tolerance",
-                f"can't be met: the method gave up between {low:g} and {high:g} s",
-                tolerance,
-                "loosen it, or use `simulate`",
-                shown="",
-            )
+            rule = f"can't be met: the method gave up between {low:g} and {high:g} s"
+            remedy = "loosen it, or use `simulate`"
+            raise InvalidInputError("tolerance", rule, tolerance, remedy, shown="")
         rows = np.asarray(rows)
         row = rows[-1]
         row_blocks.append(
             rows[len(extra) :][: len(inside)]
         )  # without `high`, if nobody asks for it
-        time_blocks.append(inside)
-    solution_rows, times = np.concatenate(row_blocks), np.concatenate(time_blocks)
-    commands = schedule.at(times)
-    arrays = (jnp.asarray(x) for x in (times, solution_rows, acting.at(times)))
+    arrays = (jnp.asarray(x) for x in (t, np.concatenate(row_blocks), acting.at(t)))
     outputs, ledger, states = to_numpy(_observe_rows(plant, *arrays))
     end = State(*(x[-1] for x in states))
-    return Trajectory(times, outputs, commands, ledger, 0, None, end)
+    return Trajectory(t, outputs, schedule.at(t), ledger, 0, None, end)
 
 
 @jax.jit
-def _integrate_command(
+def _integrate_leg(
     plant: Plant,
     low: Batch,
     tolerance: Batch,
@@ -117,16 +105,14 @@ def _integrate_command(
     command: Numbers,
     times: Numbers,
     scales: Numbers,
-) -> tuple[Any, Numbers]:
+) -> tuple[BoolBatch, Numbers]:
     """Integrate under one `command` from `low` [s] on: true if the end was reached, and rows at
     `times` [s]. `scales` of a row's numbers set their absolute tolerances.
     """
     import diffrax
 
-    def field(t: Batch, y: Numbers, _: Any) -> Numbers:
-        state, _ = _unpack_row(plant, y)
-        state = project_pressures(plant, t, state, _NEWTON)
-        evaluation = evaluate_plant(plant, t, state, command, _springless_memory(plant, state))
+    def field(t: Batch, y: Numbers, _: None) -> Numbers:
+        state, _, evaluation = _evaluate_row(plant, t, y, command)
         rates = time_derivative(plant, state, evaluation, command)
         return _pack_row(rates, ledger_rates(plant, state, evaluation))
 
@@ -151,43 +137,40 @@ def _observe_rows(
 ) -> tuple[PlantOutputs, Numbers, State]:
     """Outputs, the ledger with its $P V$ terms since the first row, and states at `times` [s]."""
 
-    def observe_row(t: Batch, row: Numbers, c: Numbers) -> tuple:
-        state, ledger = _unpack_row(plant, row)
-        state = project_pressures(plant, t, state, _NEWTON)
-        friction_memory = _springless_memory(plant, state)
-        evaluation = evaluate_plant(plant, t, state, c, friction_memory)
-        outputs = observe(plant, state, friction_memory, evaluation)
+    def observe_row(t: Batch, row: Numbers, command: Numbers) -> tuple:
+        state, ledger, evaluation = _evaluate_row(plant, t, row, command)
+        outputs = observe(plant, state, relaxed_friction(plant, state), evaluation)
         return outputs, ledger, pressure_volume_term(plant, evaluation), state
 
     outputs, ledger, pv_terms, states = jax.vmap(observe_row)(times, rows, commands)
     return outputs, ledger + pv_terms - pv_terms[0], states
 
 
+def _evaluate_row(
+    plant: Plant, time: Batch, row: Numbers, command: Numbers
+) -> tuple[State, Numbers, PlantEvaluation]:
+    """State, ledger and evaluation [SI] of a `row`; its friction has no memory."""
+    units, spool, supply = plant.units, plant.spool, plant.supply
+    shapes = (
+        (),
+        (),
+        (spool.state_count(units),),
+        (units, plant.chamber.count),
+        (units,),
+        (supply.count,),
+    )
+    ends = np.cumsum([math.prod(shape) for shape in shapes])
+    *parts, ledger = jnp.split(row, ends)
+    state = State(*(x.reshape(shape) for x, shape in zip(parts, shapes, strict=True)))
+    state = project_pressures(plant, time, state, _NEWTON)
+    evaluation = evaluate_plant(plant, time, state, command, relaxed_friction(plant, state))
+    return state, ledger, evaluation
+
+
 def _pack_row(state: State, ledger: Numbers) -> Numbers:
     """Row with all numbers of a `state` [SI] and a `ledger` [SI]."""
     xp = array_namespace(*state)
     return xp.concatenate([*(xp.ravel(x) for x in state), ledger])
-
-
-def _unpack_row(plant: Plant, row: Numbers) -> tuple[State, Numbers]:
-    """State and ledger of a `row` [SI]."""
-    units = plant.units
-    shapes = State(
-        (),
-        (),
-        (plant.spool.state_count(units),),
-        (units, plant.chamber.count),
-        (units,),
-        (plant.supply.count,),
-    )
-    ends = np.cumsum([math.prod(shape) for shape in shapes])
-    *parts, ledger = jnp.split(row, ends)
-    return State(*(x.reshape(shape) for x, shape in zip(parts, shapes, strict=True))), ledger
-
-
-def _springless_memory(plant: Plant, state: State) -> FrictionMemory:
-    """Friction memory of a law without springs, such as Coulomb's: no spring forces [N]."""
-    return FrictionMemory(jnp.zeros((plant.units, 0)), state.position, state.pressures)
 
 
 def _scales(plant: Plant, state: State) -> Numbers:
@@ -199,13 +182,6 @@ def _scales(plant: Plant, state: State) -> Numbers:
     energy = max(float(np.sum(top * plant.counts * swept)), 1e-12)  # J, never zero
     ledger = np.full(len(LEDGER), energy)
     ledger[LEDGER.index("mass")] = np.sum(full[..., 0])
-    stroke = np.float64(high - low)
-    sizes = State(
-        stroke,
-        stroke,
-        np.ones(plant.spool.state_count(plant.units)),
-        full,
-        top,
-        np.maximum(np.abs(state.supply), 1e-12),  # never zero: no step would meet it
-    )
-    return _pack_row(sizes, ledger)
+    stroke, spool = np.float64(high - low), np.ones(plant.spool.state_count(plant.units))
+    supply = np.maximum(np.abs(state.supply), 1e-12)  # never zero: no step would meet it
+    return _pack_row(State(stroke, stroke, spool, full, top, supply), ledger)

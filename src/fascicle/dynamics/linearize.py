@@ -25,7 +25,7 @@ from ..core.types import Numbers, Values
 from ..core.validation import check_choice
 from ..fluid import Solenoid, validate_commands
 from .chamber_pressure import muscle_volumes
-from .motion import FrictionMemory, State, evaluate_plant, time_derivative
+from .motion import State, evaluate_plant, relaxed_friction, time_derivative
 
 
 if TYPE_CHECKING:
@@ -55,10 +55,8 @@ class LinearModel(NamedTuple):
     def to_control(self) -> Any:
         """The model as a `StateSpace` of python-control, which must be installed."""
         control = import_module("control")  # no dependency: a type checker may not find it
-
-        names = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
-        lists = {key: list(value) for key, value in names.items()}
-        return control.ss(self.A, self.B, self.C, self.D, **lists)
+        names = {key: list(getattr(self, key)) for key in ("states", "inputs", "outputs")}
+        return control.ss(self.A, self.B, self.C, self.D, **names)
 
 
 def linearize(
@@ -114,12 +112,11 @@ def linearize(
     acts = np.array([not name.startswith("supply") for name in states], bool)
     acts |= np.any(A != 0, axis=0) | np.any(C != 0, axis=0)
     names = {name: unit for (name, unit), i in zip(states.items(), acts, strict=True) if i}
-    return LinearModel(
-        A[np.ix_(acts, acts)], B[acts], C[:, acts], D, names,
-        _units(plant, inputs, {"force": "N" if plant.load.unit == "m" else "N·m"}),
-        _units(plant, outputs, {"position": plant.load.unit, "velocity": f"{plant.load.unit}/s"}),
-        np.asarray(rate)[acts],
-    )  # fmt: skip
+    unit = plant.load.unit
+    input_units = _units(plant, inputs, {"force": "N" if unit == "m" else "N·m"})
+    output_units = _units(plant, outputs, {"position": unit, "velocity": f"{unit}/s"})
+    matrices = A[np.ix_(acts, acts)], B[acts], C[:, acts], D
+    return LinearModel(*matrices, names, input_units, output_units, np.asarray(rate)[acts])
 
 
 def _rates_and_outputs(
@@ -133,27 +130,20 @@ def _rates_and_outputs(
     chambers = jnp.concatenate([inner, state.chambers[:, -1:]], axis=-1)
     g = plant.chamber.state_residual(chambers, P, volumes.volume)
     chambers = chambers.at[:, -1].add(-g.value / g.by_state[:, -1])
-    springs = 0 if plant.hysteresis is None else plant.hysteresis.count
-    memory = FrictionMemory(jnp.zeros((plant.units, springs)), state.position, state.pressures)
     point = State(q, v, spool, chambers, P, supply)
-    evaluation = evaluate_plant(plant, 0.0, point, command, memory)
+    evaluation = evaluate_plant(plant, 0.0, point, command, relaxed_friction(plant, state))
     rate = time_derivative(plant, point, evaluation, command)
-    outputs = {
-        "position": q, "velocity": v, "pressure": P, "strain": evaluation.strains,
-        "force": plant.counts * evaluation.fluid.muscles.force, "flow": evaluation.flows.mass,
-    }  # fmt: skip
+    pull, flow = plant.counts * evaluation.fluid.muscles.force, evaluation.flows.mass
+    values = q, v, P, evaluation.strains, pull, flow
+    outputs: dict[str, Numbers] = dict(zip(OUTPUTS, values, strict=True))
     motion_rate = (rate.position, rate.velocity + force / load.inertia) if motion else ()
     return (motion_rate, rate.spool, rate.pressures, rate.chambers[:, :-1], rate.supply), outputs
 
 
 def _state_units(plant: "Plant") -> dict[str, str]:
     """Unit of each state by name, in order."""
-    load, chamber, supply, units = (
-        plant.load,
-        plant.chamber,
-        plant.supply,
-        range(1, plant.units + 1),
-    )
+    load, chamber, supply = plant.load, plant.chamber, plant.supply
+    units = range(1, plant.units + 1)
     names = {} if load.prescribed else {"position": load.unit, "velocity": f"{load.unit}/s"}
     names |= {f"spool {i}": "-" for i in range(1, plant.spool.state_count(plant.units) + 1)}
     names |= {f"pressure {i}": "Pa" for i in units}

@@ -38,6 +38,7 @@ _STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
 _DAMPER_DEPTH = 1e-3
 
 _field_from_zero = partial(interval_field, low=0.0, high=np.inf, closed=(True, False), default=0.0)
+_field_of_any_size = partial(interval_field, low=0.0, high=np.inf)
 _field_of_any_sign = partial(interval_field, low=-np.inf, high=np.inf, default=0.0)
 
 
@@ -60,8 +61,8 @@ class Stop(Module):
             raise InvalidInputError("low", "must be less than `high`", float(np.max(self.low)))
 
     def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Force of the stop against a rising coordinate, positive beyond `high` [SI], and its
-        damper's share [SI], at `position` and `velocity` [SI].
+        """Force against a rising coordinate [SI], and the damper's part of it [SI], at a `position`
+        and a `velocity` [SI].
         """
         over, under = self._depths(position)
         depth = over + under
@@ -85,21 +86,21 @@ class Stop(Module):
 
 
 class AbstractLoad(Module):
-    """Load with one coordinate.
+    """Load with one coordinate, by default one bundle's contraction that no force acts on.
 
-    `arms`: how much shorter the distance of each bundle's plates is at $q = 0$ [m], and per unit of
-    $q$ [m/m or m/rad]; by default one bundle contracts as $q$ rises. `unit`: of the coordinate.
-    `prescribed`: the motion is given.
+    `unit`: of the coordinate. `prescribed`: the motion is given. `stop`: of its stroke, or none.
+    `damping`: $d$ [SI].
     """
 
     unit: ClassVar[str] = "m"
-    prescribed: ClassVar[bool]
+    prescribed: ClassVar[bool] = False
     stop: ClassVar[Stop | None]
+    damping: ClassVar[Batch] = 0.0
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
         """For each bundle the shortening of its plates' distance at $q = 0$ [m] and per unit of $q$
-        [SI], by default of one bundle (0, 1).
+        [m/m or m/rad].
         """
         return ((0.0, 1.0),)
 
@@ -108,46 +109,32 @@ class AbstractLoad(Module):
     def inertia(self) -> Batch:
         """Inertia $M$ of the coordinate, a mass or a moment of inertia [SI]."""
 
-    @abc.abstractmethod
     def force(self, position: Batch) -> Batch:
         """Force $-\\mathrm{d}U/\\mathrm{d}q$ [SI], positive towards a rising `position` [SI]."""
+        return 0.0 * position
 
-    @abc.abstractmethod
     def potential(self, position: Batch) -> Batch:
         """Potential energy $U$ [J] at `position` [SI]."""
+        return 0.0 * position
 
     @property
-    @abc.abstractmethod
     def damper(self) -> Batch:
         """Damping $d$ of the coordinate [SI]."""
+        return self.damping
 
     @property
     def stiffness(self) -> Batch:
-        """Estimate of the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]; zero by default."""
+        """Estimate of the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]."""
         return 0.0 * self.inertia
 
-    @abc.abstractmethod
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
         """Position and velocity [SI] at `time` [s]: a free load's `position` and `velocity` [SI],
         or the prescribed ones.
         """
-
-
-class AbstractFreeLoad(AbstractLoad):
-    """A load that forces move, with a damper of its own."""
-
-    prescribed: ClassVar[bool] = False
-    damping: ClassVar[Batch]
-
-    @property
-    def damper(self) -> Batch:
-        return self.damping
-
-    def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
         return position, velocity
 
 
-class HangingMass(AbstractFreeLoad):
+class HangingMass(AbstractLoad):
     """A mass on the lower plate, lifted as the bundle contracts.
 
     `mass` [kg]. `gravity`: $g$ [m/s²]. `damping` [N·s/m]. `stop`: of its stroke [m], or none.
@@ -171,7 +158,7 @@ class HangingMass(AbstractFreeLoad):
         return self.mass * self.gravity * position
 
 
-class InertiaSpringDamper(AbstractFreeLoad):
+class InertiaSpringDamper(AbstractLoad):
     """A mass that the bundle pulls against a spring and a damper.
 
     `mass` [kg]. `spring_stiffness` [N/m], of a spring that is never slack. `damping` [N·s/m].
@@ -204,7 +191,7 @@ class InertiaSpringDamper(AbstractFreeLoad):
         return self.spring_stiffness
 
 
-class AntagonisticJoint(AbstractFreeLoad):
+class AntagonisticJoint(AbstractLoad):
     """Two bundles on a pulley, one pulling forward, one back, and a pendulum on its axis.
 
     `inertia_moment` [kg·m²]. `radius`: of the pulley [m]. `contraction`: of both bundles' plates
@@ -215,10 +202,8 @@ class AntagonisticJoint(AbstractFreeLoad):
     unit: ClassVar[str] = "rad"
     source: ClassVar[str] = "Newton's second law"
 
-    inertia_moment: Batch = positive_field(
-        "inertia_moment", Range("kg·m²", 0.0, 0.0, np.inf, np.inf)
-    )
-    radius: Batch = positive_field("radius", Range("m", 0.0, 0.0, np.inf, np.inf))
+    inertia_moment: Batch = _field_of_any_size("inertia_moment", unit="kg·m²")
+    radius: Batch = _field_of_any_size("radius", unit="m")
     contraction: Batch = _field_of_any_sign("contraction", unit="m")
     damping: Batch = _field_from_zero("damping", unit="N·m·s/rad")
     gravity_moment: Batch = _field_from_zero("gravity_moment", unit="N·m")
@@ -262,25 +247,14 @@ class PrescribedMotion(AbstractLoad):
         if self.stop is not None:
             rule = "can't hold a prescribed motion"
             raise InvalidInputError("stop", rule, self.stop, "leave it out")
-        if is_concrete(self.amplitude, self.frequency):
-            moves = np.asarray(self.amplitude) > 0
-            if np.any(moves & (np.asarray(self.frequency) <= 0)):
-                rule = "must be positive if there is an amplitude"
-                raise InvalidInputError("frequency", rule, 0.0)
+        numbers = self.amplitude, self.frequency
+        if is_concrete(*numbers) and np.any((np.asarray(numbers[0]) > 0) & (numbers[1] <= 0)):
+            rule = "must be positive if there is an amplitude"
+            raise InvalidInputError("frequency", rule, 0.0)
 
     @property
     def inertia(self) -> Batch:
-        return 1.0 + 0.0 * self.mean
-
-    def force(self, position: Batch) -> Batch:
-        return 0.0 * position
-
-    def potential(self, position: Batch) -> Batch:
-        return 0.0 * position
-
-    @property
-    def damper(self) -> Batch:
-        return 0.0 * self.mean
+        return 1.0 + 0.0 * self.mean  # any: it has no effect
 
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
         w = 2 * np.pi * self.frequency

@@ -67,10 +67,8 @@ def evaluate_flows(plant: "Plant", state: State, pressures: Numbers, command: Nu
     c_p = 0.0 if plant.liquid else chamber.gas.c_p
     drawn_H = drawn * c_p * where(drawn > 0, T_s, T)
     vented_H = vented * c_p * where(vented > 0, T, T_a)
-    return Flows(
-        P_s, T_s, P, T, to_supply + 0.0 * P, to_room + 0.0 * P, drawn - vented,
-        drawn_H - vented_H, drawn, drawn_H, vented,
-    )  # fmt: skip
+    openings, total = (to_supply + 0.0 * P, to_room + 0.0 * P), (drawn - vented, drawn_H - vented_H)
+    return Flows(P_s, T_s, P, T, *openings, *total, drawn, drawn_H, vented)
 
 
 class FrictionMemory(NamedTuple):
@@ -83,20 +81,25 @@ class FrictionMemory(NamedTuple):
     pressures: Numbers
 
 
+def relaxed_friction(plant: "Plant", state: State) -> FrictionMemory:
+    """Memory of relaxed friction of a `plant` in a `state` [SI]."""
+    springs = 0 if plant.hysteresis is None else plant.hysteresis.count
+    forces = array_namespace(state.pressures).zeros((plant.units, springs))
+    return FrictionMemory(forces, state.position, state.pressures)
+
+
 class PlantEvaluation(NamedTuple):
     """Evaluation of a plant at one time: forces, flows and rates.
 
-    `position` and `velocity` of the load [SI]; of each unit `strains` [-], `strain_rates` [1/s],
-    `fluid`, `flows`, rates of pressure [Pa/s] and volume [m³/s], of the chamber's state and of its
-    conserved one, (T6) [SI]; on the load [N or N·m] the muscles' `pull`, the friction against it
-    and the damper of its stop; the power of friction without memory [W]; the load's `acceleration`
-    [SI].
+    `position` and `velocity` of the load [SI]; of each unit `strains` [-], `fluid`, `flows`, rates
+    of pressure [Pa/s] and volume [m³/s], of the chamber's state and of its conserved one, (T6)
+    [SI]; on the load [N or N·m] the muscles' `pull`, the friction against it and the damper of its
+    stop; the power of friction without memory [W]; the load's `acceleration` [SI].
     """
 
     position: Batch
     velocity: Batch
     strains: Numbers
-    strain_rates: Numbers
     fluid: ChamberEvaluation
     flows: Flows
     pressure_rates: Numbers
@@ -113,10 +116,8 @@ class PlantEvaluation(NamedTuple):
 def evaluate_plant(
     plant: "Plant", time: Batch, state: State, command: Numbers, friction_memory: FrictionMemory
 ) -> PlantEvaluation:
-    """Forces, flows and rates of a `plant` at a `time` [s] in a `state` [SI].
-
-    Pressures are the state's own, they are not solved for. `command`: to its valves [-];
-    `friction_memory`: of the last step [SI].
+    """Forces, flows and rates of a `plant` at a `time` [s] in a `state` [SI], whose pressures
+    aren't solved for, under a `command` [-], with the last step's `friction_memory` [SI].
     """
     load, chamber = plant.load, plant.chamber
     q, v = load.motion_at(time, state.position, state.velocity)
@@ -136,21 +137,19 @@ def evaluate_plant(
     friction, friction_power = _friction_force(plant, friction_memory, q, v, fluid)
     stop_force, stop_damper = load.stop.force(q, v) if load.stop else (0.0 * q, 0.0 * q)
     outside = load.force(q) - load.damper * v - stop_force
+    rates, forces = (
+        (P_dot, V_dot, filling, conserved),
+        (pull, friction, friction_power, stop_damper),
+    )
     a = (pull - friction + outside) / load.inertia
-    return PlantEvaluation(
-        q, v, eps, eps_dot, fluid, flows, P_dot, V_dot, filling, conserved, pull, friction,
-        friction_power, stop_damper, a,
-    )  # fmt: skip
+    return PlantEvaluation(q, v, eps, fluid, flows, *rates, *forces, a)
 
 
 def time_derivative(
     plant: "Plant", state: State, evaluation: PlantEvaluation, command: Numbers
 ) -> State:
-    """Time derivative of a `state` [SI] of a `plant`, with its `evaluation` [SI], under a `command`
-    [-].
-    """
-    flows = evaluation.flows
-    add = array_namespace(flows.drawn).sum
+    """Time derivative of a `state` [SI] with its `evaluation` [SI], under a `command` [-]."""
+    add, flows = array_namespace(evaluation.flows.drawn).sum, evaluation.flows
     drawn, enthalpy = (add(x, axis=-1) for x in (flows.drawn, flows.drawn_enthalpy))
     return State(
         position=evaluation.velocity,
@@ -175,13 +174,10 @@ def friction_step(
     $\\partial F/\\partial P$, `pressure_slope` [m²].
     """
     assert plant.hysteresis is not None
-    zero = 0.0 * pressures
+    forces, before, zero = friction_memory.spring_forces, friction_memory.pressures, 0.0 * pressures
     displacement = plant.lengths * plant.gains * (position - friction_memory.position)[..., None]
-    return plant.hysteresis.advance(
-        friction_memory.spring_forces, displacement, zero + speed,
-        (friction_memory.pressures, pressures),
-        zero + pressure_slope,
-    )  # fmt: skip
+    speed, slope = zero + speed, zero + pressure_slope
+    return plant.hysteresis.advance(forces, displacement, speed, (before, pressures), slope)
 
 
 def _friction_force(

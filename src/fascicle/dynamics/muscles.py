@@ -6,7 +6,7 @@ conjugate one, and so makes or loses energy when muscles buckle: an audit report
 """
 
 import abc
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import jax
@@ -17,7 +17,6 @@ from ..bundle.pressurized import stack_muscles
 from ..core.array_namespace import absolute, maximum, minimum, where
 from ..core.module import Module, static, unique_indices
 from ..core.types import Numbers
-from ..core.validation import is_concrete
 from ..muscle import Muscle
 from ..muscle.braid import Braid
 from ..muscle.coenergy import coenergy
@@ -33,10 +32,8 @@ class MuscleVolumes(NamedTuple):
 
 
 class AbstractMuscles(Module):
-    """Muscles of a plant: force and volume of one muscle of every unit, units on the last axis.
-
-    `strains`: lowest and highest strain of the tables [-], and `highest_pressure` [Pa], of each
-    unit.
+    """One muscle of every unit of a plant, units on the last axis, up to `highest_pressure` [Pa]
+    between the lowest and highest of its `strains` [-].
     """
 
     strains: ClassVar[Any]
@@ -44,24 +41,16 @@ class AbstractMuscles(Module):
 
     @abc.abstractmethod
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
-        """Energy, force, volume and slopes of one muscle of each unit at its `pressure`
-        [Pa] and `strain` [-].
-        """
-
-    def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
-        """Force of each [N] at its `pressure` [Pa] and `strain` [-]."""
-        return self.at(pressure, strain).force
+        """Energy, force, volume and slopes of each at its `pressure` [Pa] and `strain` [-]."""
 
     def volumes(self, surface: MuscleState, strain: Numbers, rest_length: Numbers) -> MuscleVolumes:
-        """Volume of fluid in one muscle of each unit, from its `surface` [SI] at a `strain` [-];
-        `rest_length` [m].
-        """
+        """Volume of fluid in each, from its `surface` [SI] at a `strain` [-]; `rest_length` [m]."""
         by_strain = rest_length * surface.force_by_pressure
         return MuscleVolumes(surface.volume, by_strain, surface.volume_by_pressure)
 
 
 class MuscleTables(AbstractMuscles):
-    """Muscles of all units by tables, one table for each different muscle.
+    """Muscles by tables, (V3), one for each different muscle.
 
     `table`: the tables' coefficients stacked, its other numbers one for each unit; `indices`: of
     each unit's coefficients in the stack.
@@ -85,26 +74,15 @@ class MuscleTables(AbstractMuscles):
         ends = strains or [None] * len(muscles)
         tables = [muscles[i].table(highest_pressure, ends[i], shape) for i in unique]
 
-        def per_unit(get: Callable[[MuscleTable], Any]) -> Numbers:
-            return np.array([float(get(tables[i])) for i in indices])
-
+        columns = [(x.root_step, *x.strains, x.rest_length) for x in tables]
+        root_step, low, high, length = np.array([columns[i] for i in indices], float).T
         median, upper, largest = map(max, zip(*(table.errors for table in tables), strict=True))
-        stack = MuscleTable(
-            np.stack([table.coefficients for table in tables]),
-            per_unit(lambda table: table.root_step),
-            (per_unit(lambda table: table.strains[0]), per_unit(lambda table: table.strains[1])),
-            per_unit(lambda table: table.rest_length),
-            (median, upper, largest),
-        )
+        coefficients, errors = np.stack([x.coefficients for x in tables]), (median, upper, largest)
+        stack = MuscleTable(coefficients, root_step, (low, high), length, errors)
         return cls(stack, np.array(indices))
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
         return self.table.lookup_at(pressure, strain, self.indices)
-
-    @property
-    def columns(self) -> int:
-        """Number of cells in strain."""
-        return self.table.coefficients.shape[-3]
 
     @property
     def strains(self) -> tuple[Numbers, Numbers]:
@@ -118,7 +96,7 @@ class MuscleTables(AbstractMuscles):
 
 
 class ExactMuscles(AbstractMuscles):
-    """Muscles by their laws, integrated each time: exact to rounding, and a hundred times slower.
+    """Muscles by their laws, (V2), integrated each time: exact to rounding, a hundred times slower.
 
     `groups`: muscles of the same laws stacked, as of a bundle, with the `indices` of their units.
     """
@@ -153,18 +131,6 @@ class ExactMuscles(AbstractMuscles):
             force=surface.force + surface.force_by_pressure * excess,
             volume_by_pressure=where(inside, surface.volume_by_pressure, 0.0),
         )
-
-    def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
-        if not is_concrete(pressure, strain) or np.any(
-            (pressure < 0) | (pressure > self.highest_pressure)
-        ):
-            return self.at(pressure, strain).force
-        P, eps = np.broadcast_arrays(pressure, np.clip(strain, *self.strains))
-        force = np.empty(P.shape)
-        for indices, muscles in zip(self.indices, self.groups, strict=True):
-            index = np.array(indices)
-            force[..., index] = muscles.law.at(P[..., index]).force(eps[..., index])[0]
-        return force
 
 
 @jax.jit  # operation by operation, a first value takes five times as long
@@ -209,9 +175,6 @@ class GeometricMuscles(MuscleWrapper):
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
         return self.muscles.at(pressure, strain)
-
-    def force(self, pressure: Numbers, strain: Numbers) -> Numbers:
-        return self.muscles.force(pressure, strain)
 
     def volumes(self, surface: MuscleState, strain: Numbers, rest_length: Numbers) -> MuscleVolumes:
         swept, _ = self.braid.mesh(1.0, strain)  # dV of a meter's contraction [m²]

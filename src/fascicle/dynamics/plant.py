@@ -41,6 +41,15 @@ from .muscles import AbstractMuscles, ExactMuscles, GeometricMuscles, MuscleTabl
 
 _ABOVE_SUPPLY = 1.2  # pressure of a closed chamber that is stretched, over its supply's, at most
 LAWS = ("table", "exact")  # values of the argument `law`
+_PARTS = {  # of a plant, by their arguments
+    "load": AbstractLoad,
+    "supply": AbstractSupply,
+    "chamber": AbstractChamber,
+    "valve": SonicValve | Orifice,
+    "exhaust_valve": SonicValve | Orifice,
+    "spool": AbstractSpool,
+    "hysteresis": AbstractHysteresis | None,
+}
 VOLUMES = ("conjugate", "geometric")  # values of the argument `volume`
 
 
@@ -99,24 +108,12 @@ class Plant(Module):
         chambers without compliance.
         """
         bundles = tuple(bundle) if isinstance(bundle, Sequence) else (bundle,)
-        for item in bundles:
-            if not isinstance(item, Bundle):
-                kind = type(item).__name__
-                raise InvalidInputError("bundle", "must be a Bundle", item, shown=kind)
         exhaust_valve = valve if exhaust_valve is None else exhaust_valve
         spool = Direct() if spool is None else spool
         units = [(unit, side) for side, b in enumerate(bundles) for unit in b.motor_units]
         muscles = [unit.muscle for unit, _ in units]
-        _check_fit(
-            bundles,
-            load=load,
-            supply=supply,
-            chamber=chamber,
-            valve=valve,
-            exhaust_valve=exhaust_valve,
-            spool=spool,
-            hysteresis=hysteresis,
-        )
+        parts = load, supply, chamber, valve, exhaust_valve, spool, hysteresis
+        _check_fit(bundles, dict(zip(_PARTS, parts, strict=True)))
         check_choice(law, LAWS, "law")
         check_choice(volume, VOLUMES, "volume")
         supply_pressure = float(supply.pressure_at(supply.initial_state()))
@@ -131,13 +128,7 @@ class Plant(Module):
             unit_laws = GeometricMuscles(unit_laws, braid, walls)
         self.__attrs_init__(
             bundles,
-            load,
-            supply,
-            chamber,
-            valve,
-            exhaust_valve,
-            spool,
-            hysteresis,
+            *parts,
             unit_laws,
             counts=np.array([float(unit.count) for unit, _ in units]),
             lengths=np.array([float(muscle.length) for muscle in muscles]),
@@ -187,9 +178,7 @@ class Plant(Module):
         return commands
 
     def chambers_at(self, pressures: Numbers, position: Batch) -> Numbers:
-        """States of its chambers [SI] at `pressures` [Pa], at the temperature of the chamber's
-        `state_at`, with the load at `position` [SI].
-        """
+        """States of its chambers [SI] at `pressures` [Pa], with the load at `position` [SI]."""
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = self.strains(np.asarray(position)[..., None])
             P = pressures + 0.0 * eps
@@ -211,46 +200,33 @@ class Plant(Module):
         return float(np.max(np.min(ends, axis=0))), float(np.min(np.max(ends, axis=0)))
 
 
-def _check_fit(bundles: tuple[Bundle, ...], **parts: Any) -> None:
-    """Refuse `parts` of a plant by name, fluid, chambers, valves and supply, that don't go together
-    with each other or its `bundles`.
-    """
-    kinds = {
-        "load": AbstractLoad,
-        "supply": AbstractSupply,
-        "chamber": AbstractChamber,
-        "valve": SonicValve | Orifice,
-        "exhaust_valve": SonicValve | Orifice,
-        "spool": AbstractSpool,
-        "hysteresis": AbstractHysteresis | None,
-    }
-    for name, kind in kinds.items():
-        value = parts[name]
-        if not isinstance(value, kind):
+def _check_fit(bundles: tuple[Bundle, ...], parts: dict[str, Any]) -> None:
+    """Refuse `parts` that don't go together with each other or the plant's `bundles`."""
+    for name, kind in _PARTS.items():
+        if not isinstance(parts[name], kind):
             types = getattr(kind, "__args__", (kind,))
             names = " or ".join(item.__name__.removeprefix("Abstract") for item in types)
             rule = f"must be a {names}".replace("NoneType", "None")
-            raise InvalidInputError(name, rule, value, shown=type(value).__name__)
+            raise InvalidInputError(name, rule, parts[name], shown=type(parts[name]).__name__)
+    if not all(isinstance(bundle, Bundle) for bundle in bundles):
+        kinds = ", ".join(type(bundle).__name__ for bundle in bundles)
+        raise InvalidInputError("bundle", "must be a Bundle", bundles, shown=kinds)
     sides, chamber = len(parts["load"].arms), parts["chamber"]
     if len(bundles) != sides:
         kind = type(parts["load"]).__name__
         raise InvalidInputError("bundle", f"must be {sides} for {kind}", len(bundles))
-    flows = {"a gas": SonicValve, "a liquid": Orifice}
     liquid = isinstance(chamber, LiquidChamber)
-    fluid = "a liquid" if liquid else "a gas"
+    fluid, flow = ("a liquid", Orifice) if liquid else ("a gas", SonicValve)
     for name in ("valve", "exhaust_valve"):
-        valve = parts[name]
-        if not isinstance(valve, flows[fluid]):
-            rule = f"must be of {flows[fluid].__name__} for {fluid}"
+        if not isinstance(valve := parts[name], flow):
+            rule = f"must be of {flow.__name__} for {fluid}"
             raise InvalidInputError(name, rule, valve, shown=type(valve).__name__)
-    if liquid:
-        compliance: Any = chamber.compliance
-        if is_concrete(compliance) and not np.all(np.asarray(compliance) > 0):
-            raise InvalidInputError(
-                "compliance",
-                "must be positive for a liquid, which hardly gives way itself",
-                float(np.min(compliance)),
-                "pass LiquidChamber(compliance=2e-11), in m³/Pa, that of bladder, hose and fittings"
-                " of each motor unit",
-                shown=f"{float(np.min(compliance)):g} m³/Pa",
-            )
+    compliance: Any = chamber.compliance if liquid else 1.0
+    if is_concrete(compliance) and not np.all(np.asarray(compliance) > 0):
+        least = float(np.min(compliance))
+        rule = "must be positive for a liquid, which hardly gives way itself"
+        remedy = (
+            "pass LiquidChamber(compliance=2e-11), in m³/Pa, that of bladder, hose and fittings of"
+            " each motor unit"
+        )
+        raise InvalidInputError("compliance", rule, least, remedy, f"{least:g} m³/Pa")

@@ -104,8 +104,8 @@ def _valve(
     name: str, supply: tuple[float, float], exhaust: tuple[float, float], source: str
 ) -> CatalogValve:
     """Valve of the catalog from printed figures: C [L/(s·bar)] and b [-] of both ways."""
-    ways = (SonicValve(C * _LITER_PER_SECOND_BAR, b) for C, b in (supply, exhaust))
-    return CatalogValve(name, *ways, source)
+    filling, venting = (SonicValve(C * _LITER_PER_SECOND_BAR, b) for C, b in (supply, exhaust))
+    return CatalogValve(name, filling, venting, source)
 
 
 def catalog_valves() -> tuple[CatalogValve, ...]:

@@ -280,8 +280,7 @@ def simulated(
     `reference`, its demand at each step [SI], the table has the control metrics, too.
     """
     from ..dynamics import events
-    from ..dynamics.energy_ledger import LEDGER, STORES
-    from ..dynamics.outputs import STATUS
+    from ..dynamics.outputs import LEDGER, STATUS, STORES
 
     outputs, unit = run.outputs, plant.load.unit
     bits = ", ".join(f"{1 << index} {name}" for index, name in enumerate(STATUS))

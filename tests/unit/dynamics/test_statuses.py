@@ -112,7 +112,7 @@ def test_a_stop_holds_and_is_reported(stopped):
     over = seen.position[-1] - 0.01
     # at rest its spring takes what the muscle pulls too much, and stores k s²/2
     assert_allclose(1e5 * over, seen.forces[-1, 0] - 2.0 * load.gravity, rtol=1e-4)
-    place = dynamics.energy_ledger.STORES.index("stop")
+    place = dynamics.outputs.STORES.index("stop")
     assert_allclose(seen.store[-1, place], 1e5 * over**2 / 2, rtol=1e-9)
     assert np.all(seen.store[seen.position < 0.01, place] == 0)
 
