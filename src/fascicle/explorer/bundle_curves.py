@@ -1,6 +1,5 @@
 """Curves of a bundle as arrays: its workspace, its state, and pressures for a point."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -26,8 +25,7 @@ _FIBERS = {2: 7, 6: 5, 12: 3}  # each way around, for at most so many muscles
 _SPACING = 2.7  # from axis to axis at rest, over the largest radius
 
 
-@dataclass(frozen=True)
-class BundleWorkspace:
+class BundleWorkspace(NamedTuple):
     """A bundle's `workspace`, `overlap` of recruitment states, and a chart's `top` strain [-]."""
 
     workspace: Workspace
@@ -35,11 +33,21 @@ class BundleWorkspace:
     top: float
 
 
-class BundleState(NamedTuple):
-    """A bundle at given pressures.
+class BundleSolids(NamedTuple):
+    """Solids of a bundle's muscles for the drawing in space: the motor unit of each (`owners`),
+    their `positions` (angle [rad], x and y [m]), and the radius [m] of their `envelope`.
+    """
 
-    Forces of its `units` [N], a row each, and of all of them, over `strain` [-]; its `equilibria`
-    without load [-], and True for each that is `stable`.
+    solids: list[Solid]
+    owners: list[int]
+    positions: list[tuple[float, float, float]]
+    envelope: float
+
+
+class BundleState(NamedTuple):
+    """A bundle at given pressures: forces of its `units` [N], a row each, and of all of them, over
+    `strain` [-]; its `equilibria` without load [-], and True for each that is `stable`;
+    `point_force` [N] and drawing (`scene`) at the view's strain.
     """
 
     strain: np.ndarray
@@ -47,6 +55,8 @@ class BundleState(NamedTuple):
     force: np.ndarray
     equilibria: np.ndarray
     stable: np.ndarray
+    point_force: float
+    scene: BundleSolids
 
 
 class Recruitment(NamedTuple):
@@ -66,19 +76,6 @@ class Recruitment(NamedTuple):
     efficiency: float
 
 
-class BundleSolids(NamedTuple):
-    """Solids of a bundle's muscles for the drawing in space.
-
-    The motor unit of each (`owners`), their `positions` (angle [rad], x and y [m]), and the radius
-    [m] of their `envelope`.
-    """
-
-    solids: list[Solid]
-    owners: list[int]
-    positions: list[tuple[float, float, float]]
-    envelope: float
-
-
 class FreeStrainCurve(NamedTuple):
     """Free strain over the second unit's `pressure` [Pa]: with resistance, `resisted`, and `free`
     of it [-]; and the `turn` of the former.
@@ -92,13 +89,10 @@ class FreeStrainCurve(NamedTuple):
 
 @lru_cache(maxsize=32)  # visitors share it
 def second_unit_curve(bundle: Bundle, first: float) -> FreeStrainCurve:
-    """Free strain of a `bundle` over its second unit's pressure, unit 1 at a pressure `first` [Pa],
-    later units vented.
-    """
+    """Free strain over unit 2's pressure: unit 1 at `first` [Pa], later units vented."""
     pressure = np.linspace(0.0, first, _PRESSURES)
-    resisted, free = (
-        free_strain_curve(bundle, 2, pressure, first, resistance) for resistance in (True, False)
-    )
+    resisted = free_strain_curve(bundle, 2, pressure, first, True)
+    free = free_strain_curve(bundle, 2, pressure, first, False)
     return FreeStrainCurve(pressure, resisted, free, second_unit_reversal(bundle, first))
 
 
@@ -115,16 +109,16 @@ def bundle_workspace(bundle: Bundle, resistance: bool) -> BundleWorkspace:
     return BundleWorkspace(space, recruitment.overlap(space), float(space.strain[-1]) * 1.15)
 
 
-def bundle_state(
-    bundle: Bundle, pressures: tuple[float, ...], top: float, resistance: bool
-) -> BundleState:
-    """State of a bundle at its units' `pressures` [Pa], up to the strain `top` [-]."""
-    strain, P = np.linspace(0.0, top, POINTS), np.array(pressures)
-    units = np.asarray(bundle.unit_forces(P, strain, resistance)).T
-    roots = bundle.equilibria(P, resistance)
-    equilibria, stable = np.asarray(roots.strain), np.asarray(roots.stable)
-    exists = np.isfinite(equilibria)
-    return BundleState(strain, units, units.sum(axis=0), equilibria[exists], stable[exists])
+def bundle_state(view: View, top: float) -> BundleState:
+    """State of a view's bundle at its pressures, up to the strain `top` [-]."""
+    bundle, strain, P = view.bundle, np.linspace(0.0, top, POINTS), np.array(view.pressures)
+    units = np.asarray(bundle.unit_forces(P, strain, view.resistance)).T
+    roots = bundle.equilibria(P, view.resistance)
+    exists = np.isfinite(roots.strain)
+    equilibria, stable = np.asarray(roots.strain)[exists], np.asarray(roots.stable)[exists]
+    force = float(bundle.force(P, min(view.strain, top), view.resistance))
+    scene = bundle_solids(view, top)
+    return BundleState(strain, units, units.sum(axis=0), equilibria, stable, force, scene)
 
 
 def recruitments(
@@ -136,11 +130,8 @@ def recruitments(
     efficiency is that along a `path`.
     """
     result = bundle.recruit(load, strain, resistance=resistance)
-    states, supply = (
-        states_of(bundle.scheme, len(bundle.motor_units)),
-        resolve_supply_pressure(bundle),
-    )
-    remark = ""
+    states = states_of(bundle.scheme, len(bundle.motor_units))
+    supply, remark = resolve_supply_pressure(bundle), ""
     try:
         volumes = unit_volume_change(bundle, strain)
     except InvalidInputError:  # compliant ends
@@ -164,7 +155,9 @@ def recruitments(
         for level, state, stable in zip(*map(np.asarray, result.solutions), strict=True)
         if state > 0
     ]
+    rows.sort(key=lambda row: np.nan_to_num(row.fluid))
     space = bundle.workspace(levels=_LOAD_LEVELS, strain=[strain], resistance=resistance)
+    nearest_rows = []
     for state in {*range(1, states.size + 1)} - {row.state for row in rows}:
 
         def distance(level: float, state: int = state) -> float:
@@ -176,27 +169,26 @@ def recruitments(
         search: Any = minimize_scalar(distance, bounds=ends, method="bounded")
         # the search never takes an end, such as no pressure
         nearest = min((float(space.level[index]), float(search.x)), key=distance)
-        rows.append(row(state, states.pressures(state - 1, nearest, supply), False, False))
-    reached = sorted((row for row in rows if row.reached), key=lambda row: np.nan_to_num(row.fluid))
-    others = sorted((row for row in rows if not row.reached), key=lambda row: abs(row.force - load))
-    return reached + others, remark
+        P = states.pressures(state - 1, nearest, supply)
+        nearest_rows.append(row(state, P, False, False))
+    return rows + sorted(nearest_rows, key=lambda row: abs(row.force - load)), remark
 
 
 def bundle_solids(view: View, top: float) -> BundleSolids:
     """Muscles of a bundle at the view's pressures and strain, at most `top` [-]."""
     bundle = view.bundle
-    count = sum(int(unit.count) for unit in bundle.motor_units)
-    fibers = next((number for limit, number in _FIBERS.items() if count <= limit), 0)
+    counts = [int(unit.count) for unit in bundle.motor_units]
+    fibers = next((number for limit, number in _FIBERS.items() if sum(counts) <= limit), 0)
     solids, owners, shortening = [], [], min(view.strain, top)
     for i, unit in enumerate(bundle.motor_units):
         strain = shortening
         if bundle.ratios is not None:
             strain = float(muscle_strain(bundle.ratios[i], np.asarray(strain)))
         curves = muscle_curves(unit.muscle, view.pressures[i], strain, view.supply, top)
-        solids += [muscle_solid(unit.muscle, curves, strain, fibers)] * int(unit.count)
-        owners += [i] * int(unit.count)
+        solids += [muscle_solid(unit.muscle, curves, strain, fibers)] * counts[i]
+        owners += [i] * counts[i]
     widest = max(float(unit.muscle.outer_radius) for unit in bundle.motor_units)
-    positions = muscle_positions(count, _SPACING * widest)
+    positions = muscle_positions(len(solids), _SPACING * widest)
     envelope = 0.0
     for solid, position in zip(solids, positions, strict=True):
         tube = solid.transform(*position)[0][: RINGS * AROUND]
@@ -215,10 +207,6 @@ def muscle_positions(count: int, spacing: float) -> list[tuple[float, float, flo
         ring += 1
     # a solid bows toward -y
     return [
-        (
-            float(np.arctan2(-np.cos(theta), -np.sin(theta))),
-            float(radius * np.cos(theta)),
-            float(radius * np.sin(theta)),
-        )
-        for radius, theta in polar
+        (float(np.arctan2(-np.cos(turn), -np.sin(turn))), r * np.cos(turn), r * np.sin(turn))
+        for r, turn in polar
     ]

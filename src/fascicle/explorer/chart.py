@@ -19,7 +19,7 @@ from matplotlib.colors import to_hex
 from numpy.typing import ArrayLike
 
 from ..plot.theme import FIGURES, Colors
-from .widgets import LAYOUT_CSS, height_css
+from .widgets import LAYOUT_CSS
 
 
 _STYLES: dict[str, dict[str, Any]] = tomllib.loads(
@@ -105,7 +105,7 @@ class Chart:
             y_range=Range1d(start=0, end=1),
             x_axis_type="auto" if x else None,
             y_axis_type="auto" if y else None,
-            stylesheets=[height_css(height)],
+            stylesheets=[f":host {{ height: {height} !important; flex: 0 0 auto !important; }}"],
             active_drag=None,
             **self._style("figure") | options,
         )

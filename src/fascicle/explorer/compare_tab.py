@@ -20,27 +20,12 @@ from ..plot.curves import force_comparison
 from ..plot.theme import DASHES, Colors
 from ..results import tables
 from ..units import pretty
-from .chart import Chart, cycle_colors, padded_range, screen_height
+from . import widgets as ui
+from .chart import Chart, cycle_colors, hover_tooltips, padded_range, screen_height
 from .muscle_curves import POINTS, alternative_laws, law_label, strain_limit, with_alternative
 from .remarks import validity_warnings
 from .state import Pin, Session, Unit, View, changed, shipped_muscle
-from .tab import Export, Tab
-from .widgets import (
-    SIZES,
-    Field,
-    Message,
-    button,
-    column,
-    dropdown,
-    format_quantity,
-    heading,
-    html_table,
-    pane,
-    row,
-    side_column,
-    text_html,
-    widget,
-)
+from .tab import Export, StrainTab
 
 
 _CURRENT, _OWN_LAWS = "the current one", "as the muscle has them"
@@ -76,8 +61,7 @@ def top_strain(pins: Sequence[Pin]) -> float:
 @lru_cache(maxsize=128)  # visitors share it
 def pin_curve(muscle: Muscle, pressure: float, top: float) -> PinCurve:
     """Curve of a muscle at a `pressure` [Pa] up to a strain `top` [-], kinks among its strains."""
-    free = float(muscle.free_strain(pressure))
-    collapse = float(muscle.collapse_strain(pressure))
+    free, collapse = (float(x(pressure)) for x in (muscle.free_strain, muscle.collapse_strain))
     kinks = [strain for strain in (free, collapse) if 0 < strain < top]
     strain = np.union1d(np.linspace(0.0, top, POINTS), kinks)
     force = np.asarray(muscle.force(pressure, strain))
@@ -111,23 +95,22 @@ def add_pin(pins: tuple[Pin, ...], name: str, muscle: Muscle, pressure: float) -
 
 def rename_pin(pins: tuple[Pin, ...], index: int, name: str) -> tuple[Pin, ...]:
     """The `pins`, the one of an `index` with another `name`."""
-    others = (*pins[:index], *pins[index + 1 :])
-    pin = add_pin(others, name, pins[index].muscle, pins[index].pressure)[-1]
-    return (*pins[:index], pin, *pins[index + 1 :])
+    before, pin, after = pins[:index], pins[index], pins[index + 1 :]
+    renamed = add_pin((*before, *after), name, pin.muscle, pin.pressure)[-1]
+    return (*before, renamed, *after)
 
 
 def name_difference(first: Muscle, second: Muscle) -> str:
     """Sizes, material and laws of the `second` muscle that the first has not, in words."""
     parts = [
         f"{label.lower()} {pretty(float(getattr(second, name)), dimension)}"
-        for name, (label, dimension) in SIZES.items()
+        for name, (label, dimension) in ui.SIZES.items()
         if getattr(first, name) != getattr(second, name)
     ]
     parts += ["other material"] * (first.material != second.material)
     laws = (getattr(second, kind) for kind in LAWS if getattr(first, kind) != getattr(second, kind))
     parts += [law.name.replace("_", " ") for law in laws]
-    parts += ["other tuning"] * (first.tuning != second.tuning)
-    return ", ".join(parts)
+    return ", ".join(parts + ["other tuning"] * (first.tuning != second.tuning))
 
 
 def pin_muscle(session: Session, name: str, muscle: Muscle, pressure: float) -> str:
@@ -135,12 +118,11 @@ def pin_muscle(session: Session, name: str, muscle: Muscle, pressure: float) -> 
     or the muscle's `name` and its pressure; `InvalidInputError` if it can't be pinned.
     """
     view = session.view
-    difference = name_difference(view.pins[0].muscle, muscle) if view.pins else ""
-    same_pressure = view.pins and view.pins[0].pressure == pressure
-    if not (difference and same_pressure):
-        at = format_quantity(pressure, view.display_units["pressure"], "pressure", 4)
-        difference = f"{difference or name.removesuffix('.toml')}, {at}"
-    pins = add_pin(view.pins, difference, muscle, pressure)
+    label = name_difference(view.pins[0].muscle, muscle) if view.pins else ""
+    if not label or view.pins[0].pressure != pressure:
+        at = ui.format_quantity(pressure, view.display_units["pressure"], "pressure", 4)
+        label = f"{label or name.removesuffix('.toml')}, {at}"
+    pins = add_pin(view.pins, label, muscle, pressure)
     session.change(pins=pins)
     return pins[-1].name
 
@@ -149,21 +131,17 @@ class PinButton:
     """Button that pins the current muscle's curve at its pressure; `result` is a line about it."""
 
     def __init__(self, session: Session):
-        self._session = session
-        self._message = Message()
-        self._status = pane(margin=(0, 8), css_classes=["live"])
-        pin = button("Pin this curve", self._pin, margin=(8, 8, 2, 8))
-        self.panel = column(pin, kind="aside", sizing_mode=None)
-        self.result = column(self._status, self._message.pane)
+        self._session, self._message = session, ui.Message()
+        self._status = ui.pane(margin=(0, 8), css_classes=["live"])
+        pin = ui.button("Pin this curve", self._pin, margin=(8, 8, 2, 8))
+        self.panel = ui.column(pin, kind="aside", sizing_mode=None)
+        self.result = ui.column(self._status, self._message.pane)
 
     def _pin(self) -> None:
-        """Pin the muscle shown at its pressure, or show an error below."""
         view, self._status.object = self._session.view, ""
         with self._message.errors():
-            name = pin_muscle(self._session, view.name, view.muscle, view.pressure)
-            self._status.object = (
-                f'<p class="small">Pinned in Compare as “{html.escape(name)}”.</p>'
-            )
+            name = html.escape(pin_muscle(self._session, view.name, view.muscle, view.pressure))
+            self._status.object = f'<p class="small">Pinned in Compare as “{name}”.</p>'
 
 
 class PinForm:
@@ -172,12 +150,14 @@ class PinForm:
     def __init__(self, session: Session):
         self._session, self._view_pressure, self._pressure_value = session, -1.0, 0.0
         names = [_CURRENT, *named_muscles()]
-        self._muscle = dropdown("Muscle", names, lambda _: self._offer_laws())
-        self._law = dropdown("Laws", [_OWN_LAWS])
-        self._pressure = Field("Pressure P", "pressure", "pressure", self._set_pressure)
-        self._message = Message()
-        pin = button("Pin this curve", self._pin, color="primary")
-        fields = self._pressure.widgets
+        self._muscle = ui.dropdown("Muscle", names, lambda _: self._offer_laws())
+        self._law = ui.dropdown("Laws", [_OWN_LAWS])
+        self._pressure = ui.Field("Pressure P", "pressure", "pressure", self._set_pressure)
+        self._message = ui.Message()
+        pin, fields = (
+            ui.button("Pin this curve", self._pin, color="primary"),
+            self._pressure.widgets,
+        )
         self.widgets = (self._muscle, self._law, *fields, pin, self._message.pane)
 
     def show(self, view: View) -> None:
@@ -203,25 +183,23 @@ class PinForm:
         self._pressure_value = value
 
     def _pin(self) -> None:
-        view, muscle = self._session.view, self._selected_muscle()
-        name = view.name if self._muscle.value == _CURRENT else self._muscle.value
+        muscle, name = self._selected_muscle(), self._muscle.value
+        name = self._session.view.name if name == _CURRENT else name
         with self._message.errors():
             if self._law.value:
                 muscle = with_alternative(muscle, self._law.value)
             pin_muscle(self._session, name, muscle, self._pressure_value)
 
 
-class CompareView(Tab):
+class CompareView(StrainTab):
     """Widgets and figure of pinned curves."""
 
     name: ClassVar[str] = "compare"
     fields: ClassVar[tuple[str, ...]] = ("pins", "muscle", "pressure", "display_units")
 
     def __init__(self, session: Session, colors: Colors):
-        super().__init__(session, colors)
-        self._form = PinForm(session)
-        self._rows = column()
-        self._strain = self.strain_slider("Contraction ε to compare at")
+        super().__init__(session, colors, "Contraction ε to compare at")
+        self._form, self._rows = PinForm(session), ui.column()
         # room for header, slider, legend and the head of the table
         chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(430))
         self.chart = chart
@@ -229,15 +207,16 @@ class CompareView(Tab):
         self._curves = chart.add("compared", line_width=_LINE_WIDTH)
         self._hover = chart.add_hover([])
         self._points = chart.add("compared_points")
-        chart.on_hold(self._move_strain)
-        self._table = pane(sizing_mode="stretch_width", margin=(8, 8))
-        shown = (self._strain.panel, chart.new_pane(), self._table)
-        self._comparison = column(self.notes, *shown)
-        example = button("Try two braid angles", self.pin_example)
-        self._empty = column(pane(_EMPTY), example, kind="framed")
-        title = pane(heading("Pin another curve"))
+        chart.on_hold(self.set_strain)
+        self._table = ui.wide_pane(margin=(8, 8))
+        shown = (self.strain.panel, chart.new_pane(), self._table)
+        self._comparison = ui.column(self.notes, *shown)
+        example = ui.button("Try two braid angles", self.pin_example)
+        self._empty = ui.column(ui.pane(_EMPTY), example, kind="framed")
+        title = ui.pane(ui.heading("Pin another curve"))
         inputs = (title, *self._form.widgets, self._rows, self.message.pane)
-        self.panel = row(side_column(*inputs, width=318), column(self._empty, self._comparison))
+        main = ui.column(self._empty, self._comparison)
+        self.panel = ui.row(ui.side_column(*inputs, width=318), main)
 
     @property
     def _colors(self) -> list[str]:
@@ -253,21 +232,19 @@ class CompareView(Tab):
         if not view.pins:
             return
         unit, scale = self.unit("force")
-        top = top_strain(view.pins)
-        curves = [pin_curve(pin.muscle, pin.pressure, top) for pin in view.pins]
-        number = len(curves)
+        self.top = top_strain(view.pins)
+        curves = self._pin_curves(view)
+        forces = [curve.force / scale for curve in curves]
         self._curves.data = {
             "xs": [curve.strain for curve in curves],
-            "ys": [curve.force / scale for curve in curves],
-            "color": self._colors[:number],
-            "dash": [_dash(i) for i in range(number)],
+            "ys": forces,
+            "color": self._colors[: len(curves)],
+            "dash": [_dash(i) for i in range(len(curves))],
             "label": [pin.name for pin in view.pins],
         }
-        forces = np.concatenate([curve.force for curve in curves]) / scale
-        self.chart.set_ranges((0.0, top), padded_range(forces, 0.06))
+        self.chart.set_ranges((0.0, self.top), padded_range(np.concatenate(forces), 0.06))
         self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
-        point = [("ε", "$snap_x{0.0000}"), ("F", f"$snap_y{{0.00}} {unit}")]
-        self._hover.tooltips = [("", "@label"), *point]
+        self._hover.tooltips = [("", "@label"), *hover_tooltips(unit)]
         self.notes.object = _warnings_html(view)
         self._show_strain(view)
 
@@ -281,8 +258,7 @@ class CompareView(Tab):
         view = self.session.view
         if not view.pins:
             raise ValueError("Pin a curve first: there is nothing to download yet.")
-        top = top_strain(view.pins)
-        strain, chosen = np.linspace(0.0, top, POINTS), min(view.strain, top)
+        strain, chosen = np.linspace(0.0, self.top, POINTS), min(view.strain, self.top)
         muscles = {pin.name: pin.muscle for pin in view.pins}
         arguments = muscles, [pin.pressure for pin in view.pins], strain, chosen
         variables = tables.force_comparison(*arguments)
@@ -296,19 +272,17 @@ class CompareView(Tab):
             for muscle in (view.muscle, view.muscle.replace(braid_angle=angle)):
                 pin_muscle(self.session, view.name, muscle, view.pressure)
 
+    def _pin_curves(self, view: View) -> list[PinCurve]:
+        return [pin_curve(pin.muscle, pin.pressure, self.top) for pin in view.pins]
+
     def _show_strain(self, view: View) -> None:
         """Show forces at the view's contraction, and the table."""
-        top = top_strain(view.pins)
-        strain = min(view.strain, top)
-        self._strain.show(strain, "", top)
-        unit, scale = self.unit("force")
+        strain = min(view.strain, self.top)
+        self.show_strain(view)
+        (unit, scale), curves = self.unit("force"), self._pin_curves(view)
         forces = [float(pin.muscle.force(pin.pressure, strain)) / scale for pin in view.pins]
-        self._points.data = {
-            "x": [strain] * len(forces),
-            "y": forces,
-            "color": self._colors[: len(forces)],
-        }
-        curves = [pin_curve(pin.muscle, pin.pressure, top) for pin in view.pins]
+        colors = self._colors[: len(forces)]
+        self._points.data = {"x": [strain] * len(forces), "y": forces, "color": colors}
         columns: dict[str, tuple[str, list[float]]] = {
             f"Blocked force [{unit}]": (".4g", [curve.blocked_force / scale for curve in curves]),
             "Free strain [–]": (".4f", [curve.free_strain for curve in curves]),
@@ -320,7 +294,7 @@ class CompareView(Tab):
             + [difference_text(values[i], values[0], form) for form, values in columns.values()]
             for i, pin in enumerate(view.pins)
         ]
-        table = html_table(["curve", *columns], rows)
+        table = ui.html_table(["curve", *columns], rows)
         note = "Percentages are of the first curve's magnitude."
         self._table.object = f'<div class="compared">{table}</div><p class="small note">{note}</p>'
 
@@ -334,14 +308,10 @@ class CompareView(Tab):
 
     def _make_row(self, index: int, pin: Pin) -> pn.Row:
         """Name of a pinned curve, and a button to remove it."""
-        name = widget(
-            pn.widgets.TextInput,
-            f"Name of curve {index + 1}",
-            partial(self._rename, index),
-            value=pin.name,
-        )
-        remove = partial(self._remove, index)
-        return row(name, button(f"Remove {index + 1}", remove, margin=(20, 8, 2, 0)), kind="")
+        label, rename = f"Name of curve {index + 1}", partial(self._rename, index)
+        name = ui.widget(pn.widgets.TextInput, label, rename, value=pin.name)
+        label, remove = f"Remove {index + 1}", partial(self._remove, index)
+        return ui.row(name, ui.button(label, remove, margin=(20, 8, 2, 0)), kind="")
 
     def _rename(self, index: int, name: str) -> None:
         self.session.change(pins=rename_pin(self.session.view.pins, index, name))
@@ -349,10 +319,6 @@ class CompareView(Tab):
     def _remove(self, index: int) -> None:
         pins = self.session.view.pins
         self.session.change(pins=(*pins[:index], *pins[index + 1 :]))
-
-    def _move_strain(self, strain: float, _: float) -> None:
-        top = top_strain(self.session.view.pins)
-        self.session.change(strain=round(float(np.clip(strain, 0, top)), 4))
 
 
 def _dash(index: int) -> list[int]:
@@ -366,4 +332,4 @@ def _warnings_html(view: View) -> str:
     for pin in view.pins:
         pinned_view = replace(view, muscle=pin.muscle, supply=pin.pressure, units=(Unit(),))
         lines += [f"{pin.name}: {text}" for text in validity_warnings(pinned_view, "muscle")]
-    return "".join(f'<p class="warning">{text_html(line)}</p>' for line in lines)
+    return "".join(f'<p class="warning">{ui.text_html(line)}</p>' for line in lines)

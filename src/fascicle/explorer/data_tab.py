@@ -15,47 +15,15 @@ from ..files.calibration_files import calibrated_files
 from ..muscle import Muscle
 from ..plot.theme import APART, Colors
 from ..records.record import Record
+from ..report import calibration_words as words
 from ..report.calibration import CalibrationResult, report
 from ..report.calibration_figures import draw_fit, figures, measured_with_curves
-from ..report.calibration_words import (
-    interval_texts,
-    selection_reasons,
-    verdict_lines,
-    warning_lines,
-    warnings_by_topic,
-)
 from ..results import Table, Variable
+from . import measured
+from . import widgets as ui
 from .chart import Chart, padded_range, pressure_colors, screen_height
-from .measured import (
-    AUTOMATIC,
-    MOST_POINTS,
-    MOST_ROWS,
-    TUNING,
-    ModelCurves,
-    curves_at_levels,
-    example_record,
-    fit_record,
-    mismatch_reason,
-    read_record,
-)
 from .state import Session, View, view_of
 from .tab import Export, LatestResult, Progress, Tab, output_stem
-from .widgets import (
-    button,
-    column,
-    download_button,
-    dropdown,
-    file_input,
-    fold,
-    html_table,
-    pane,
-    parse_field,
-    row,
-    side_column,
-    status_line,
-    text_html,
-    widget,
-)
 
 
 _SIDE, _GAP = 0.015, 0.06  # of a range: room around the readings and the labels of pressures
@@ -68,7 +36,7 @@ _MOST_NOTES = 12  # of a record
 _ROLES = ("pressure", "force", "strain", "displacement", "length")  # of columns that have fields
 _BY_NAME = "constants of your choice"
 # as measured with 300 and 5000 readings on two cores
-_DURATIONS = {AUTOMATIC: "20 to 40 s", TUNING: "10 s", _BY_NAME: "a few seconds"}
+_DURATIONS = {measured.AUTOMATIC: "20 to 40 s", measured.TUNING: "10 s", _BY_NAME: "a few seconds"}
 _UNDETERMINED = (
     "Here a prior is a value that you enter: measure the size, enter it in the tab Muscle, and fit"
     f" {_BY_NAME} without it. fascicle calibrate takes its deviation, too."
@@ -78,7 +46,7 @@ _TEXT = (
     "Open a dynamometer's CSV, .xlsx or .mat: pressure, force, and strain, length or displacement,"
     " with units in its header. Its readings appear here beside this muscle's curves; then the"
     " muscle is tuned to them, with an interval for each constant. At most"
-    f" {MOST_ROWS} rows; they stay in this session's memory. No record at hand? There is a"
+    f" {measured.MOST_ROWS} rows; they stay in this session's memory. No record at hand? There is a"
     " synthetic one of this muscle, a little thicker and steeper than drawn."
 )
 # a form to fill in: nobody's readings
@@ -96,16 +64,16 @@ class RecordInputs:
             on_change()
 
         label = "Rest length, if the record doesn't have it"
-        self.length = widget(pn.widgets.TextInput, label, change)
+        self.length = ui.widget(pn.widgets.TextInput, label, change)
         label = "A force of exactly 0 means 0 or less"
-        self.clipped = widget(pn.widgets.Checkbox, label, change, margin=(6, 8))
+        self.clipped = ui.widget(pn.widgets.Checkbox, label, change, margin=(6, 8))
         self.columns, self.units = (
-            {role: widget(pn.widgets.TextInput, f"{kind} of {role}", change) for role in _ROLES}
+            {role: ui.widget(pn.widgets.TextInput, f"{kind} of {role}", change) for role in _ROLES}
             for kind in ("Column", "Unit")
         )
         pairs = [w for role in _ROLES for w in (self.columns[role], self.units[role])]
-        fields = fold("Columns and units", column(*pairs, kind="pairs"))
-        self.panel = column(self.length, self.clipped, fields)
+        fields = ui.fold("Columns and units", ui.column(*pairs, kind="pairs"))
+        self.panel = ui.column(self.length, self.clipped, fields)
 
     def options(self, length_unit: str) -> dict[str, object]:
         """Arguments of `records.load` in the fields; a bare rest length is in the `length_unit`.
@@ -116,7 +84,7 @@ class RecordInputs:
         options = {
             "columns": {r: w.value.strip() for r, w in self.columns.items() if w.value.strip()},
             "units": {r: w.value.strip() for r, w in self.units.items() if w.value.strip()},
-            "rest_length": text and parse_field(text, "length", length_unit, "rest_length"),
+            "rest_length": text and ui.parse_field(text, "length", length_unit, "rest_length"),
             "clipped_at_zero": self.clipped.value,
         }
         return {name: value for name, value in options.items() if value}
@@ -149,48 +117,46 @@ class DataView(Tab):
         self._fits = LatestResult(self._show_fit, self._fail_fit, self.is_open)
         inputs = (self.file, self._other_example, self.message.pane, self.read_inputs.panel)
         fit = (self.kind, self.constants, self.calibrate, self.cancel, self.progress.bar)
-        results = (self.status, self.table, self.use, row(*self.saves, kind=""), self.fit_notes)
-        left = side_column(*inputs, *fit, *results, self.notes, width=420)
+        results = (self.status, self.table, self.use, ui.row(*self.saves, kind=""), self.fit_notes)
+        left = ui.side_column(*inputs, *fit, *results, self.notes, width=420)
         self.empty_state = _empty_state(self._example)
-        self._figure = column(self.chart.new_pane(), visible=False)
-        self.panel = row(left, column(self.empty_state, self._figure, kind="equal"))
+        self._figure = ui.column(self.chart.new_pane(), visible=False)
+        self.panel = ui.row(left, ui.column(self.empty_state, self._figure, kind="equal"))
 
     def _add_widgets(self) -> None:
         label = "Open a record (CSV, .xlsx, .mat)"
-        self.file = file_input(label, RECORD_SUFFIXES, self.open_record)
+        self.file = ui.file_input(label, RECORD_SUFFIXES, self.open_record)
         label = "Try an example record (synthetic)"
         wide = {"sizing_mode": "stretch_width"}
-        self._example = button(label, self.open_example, color="primary", **wide)
-        self._other_example = button(label, self.open_example, visible=False, **wide)
+        self._example = ui.button(label, self.open_example, color="primary", **wide)
+        self._other_example = ui.button(label, self.open_example, visible=False, **wide)
         self.read_inputs = RecordInputs(self._read)
         kinds = {
-            "what the data determine": AUTOMATIC,
-            "the paper's tuning": TUNING,
+            "what the data determine": measured.AUTOMATIC,
+            "the paper's tuning": measured.TUNING,
             _BY_NAME: _BY_NAME,
         }
-        self.constants = widget(
+        self.constants = ui.widget(
             pn.widgets.MultiSelect, "Constants", size=6, visible=False, css_classes=["several"]
         )
-        self.kind = dropdown(
-            "What to fit",
-            kinds,
-            lambda kind: self.constants.param.update(visible=kind == _BY_NAME),
+        self.kind = ui.dropdown(
+            "What to fit", kinds, lambda kind: self.constants.param.update(visible=kind == _BY_NAME)
         )
         wide |= {"margin": (6, 8), "disabled": True}
-        self.calibrate = button("Calibrate the muscle", self.start_fit, color="primary", **wide)
-        self.cancel = button("Cancel the fit", self.cancel_fit, visible=False)
-        self.fit_notes = pane(sizing_mode="stretch_width")
+        self.calibrate = ui.button("Calibrate the muscle", self.start_fit, color="primary", **wide)
+        self.cancel = ui.button("Cancel the fit", self.cancel_fit, visible=False)
+        self.fit_notes = ui.pane(sizing_mode="stretch_width")
         self.progress = Progress("fitting", self.status)
-        self.table = pane(margin=(4, 8))
-        self.use = button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
+        self.table = ui.pane(margin=(4, 8))
+        self.use = ui.button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
         self.saves = [
-            download_button(
+            ui.download_button(
                 "Download tuned muscle",
                 lambda: self._as_file("tuned", "toml"),
                 self.message,
                 width=190,
             ),
-            download_button(
+            ui.download_button(
                 "Download report", lambda: self._as_file("report", "html"), self.message
             ),
         ]
@@ -203,9 +169,9 @@ class DataView(Tab):
         if record is None:
             return
 
-        def compute() -> tuple[ModelCurves, ModelCurves | None]:
-            tuned = fit and curves_at_levels(fit.selection.calibration.muscle, record)
-            return curves_at_levels(view.muscle, record), tuned
+        def compute() -> tuple[measured.ModelCurves, measured.ModelCurves | None]:
+            tuned = fit and measured.curves_at_levels(fit.selection.calibration.muscle, record)
+            return measured.curves_at_levels(view.muscle, record), tuned
 
         self._curves.request(compute)
 
@@ -247,7 +213,7 @@ class DataView(Tab):
     def open_example(self) -> None:
         """Open the synthetic record of the session's muscle."""
         self.file.clear()  # the example replaces it
-        self.open_record(example_record(self.session.view.muscle), _EXAMPLE)
+        self.open_record(measured.example_record(self.session.view.muscle), _EXAMPLE)
 
     def open_record(self, raw: bytes, name: str) -> None:
         """Open a file; the earlier record is dropped, even if the file can't be read."""
@@ -264,17 +230,17 @@ class DataView(Tab):
             return
         try:
             options = self.read_inputs.options(view.display_units["length"])
-            record = read_record(self._raw, name, view.muscle, options)
+            record = measured.read_record(self._raw, name, view.muscle, options)
         except ValueError as error:
             self.message.show(error)
             return
         names = parameters_of(view.muscle)
         self.constants.options = {name.replace("_", " "): name for name in names}
-        self.message.show(mismatch_reason(view.muscle, record))
+        self.message.show(measured.mismatch_reason(view.muscle, record))
         self._set_record(record)
         kind = " synthetic" if name == _EXAMPLE else ""
         plural = "s" * (len(record) != 1)
-        notes = "".join(f"<li>{text_html(note)}</li>" for note in record.notes[:_MOST_NOTES])
+        notes = "".join(f"<li>{ui.text_html(note)}</li>" for note in record.notes[:_MOST_NOTES])
         self.notes.object = (
             f'<div class="note">{len(record)}{kind} reading{plural}.<ul>{notes}</ul></div>'
         )
@@ -295,7 +261,7 @@ class DataView(Tab):
         for result in (self.use, *self.saves):
             result.disabled = not enabled
 
-    def _show_curves(self, pair: tuple[ModelCurves, ModelCurves | None]) -> None:
+    def _show_curves(self, pair: tuple[measured.ModelCurves, measured.ModelCurves | None]) -> None:
         """Show a muscle's curves before and after tuning, beside the readings."""
         before, after = pair
         _, scale = self.unit("force")
@@ -326,7 +292,7 @@ class DataView(Tab):
             "label": [f"{before.pressure[i] / pressure_scale:.3g} {unit}" for i in labeled],
         }
         text = f"Curves of {number} of {before.total} pressures are drawn."
-        self.status.object = status_line(text if before.total > number else "")
+        self.status.object = ui.status_line(text if before.total > number else "")
         tuned = ", and of the tuned one" if after is not None else ""
         self.chart.describe(
             f"Force over contraction. {len(strain)} readings; curves of this muscle{tuned} at"
@@ -340,7 +306,7 @@ class DataView(Tab):
         """Strain [-], force [N] and index of the nearest `pressure` of each drawn reading."""
         record = self.record
         assert record is not None  # else nothing is drawn
-        drawn = np.unique(np.linspace(0, len(record) - 1, MOST_POINTS).astype(int))
+        drawn = np.unique(np.linspace(0, len(record) - 1, measured.MOST_POINTS).astype(int))
         nearest = np.abs(record.pressure[drawn, None] - pressure).argmin(axis=1)
         return record.strain[drawn], record.force[drawn], nearest
 
@@ -366,12 +332,12 @@ class DataView(Tab):
                 raise ValueError("The fit was cancelled.")
 
         def compute() -> FitResult:
-            selection = fit_record(record, muscle, progress, names)
+            selection = measured.fit_record(record, muscle, progress, names)
             calibration, today = selection.calibration, f"{dt.datetime.now().astimezone():%Y-%m-%d}"
             candidates = selection if selection.candidates else None
             progress("drawing the report")
             page = report(CalibrationResult(calibration, candidates), today, figures(calibration))
-            texts = warning_lines(calibration)
+            texts = words.warning_lines(calibration)
             files = calibrated_files(calibration, today, candidates, texts, with_log=False)
             return FitResult(selection, page, files["muscle.toml"], record)
 
@@ -381,7 +347,7 @@ class DataView(Tab):
         """Drop the running fit, whose thread ends with its next step."""
         self._fits.drop()
         self._end_fit()
-        self.status.object = status_line("The fit was cancelled.")
+        self.status.object = ui.status_line("The fit was cancelled.")
 
     def _end_fit(self) -> None:
         self.progress.stop()
@@ -400,19 +366,19 @@ class DataView(Tab):
         self.fit, calibration = fit, fit.selection.calibration
         rows = []
         for parameter in calibration.parameters:
-            value, interval = interval_texts(parameter)
+            value, interval = words.interval_texts(parameter)
             text = interval if parameter.identifiable else "not known from these data"
             rows.append((parameter.name.replace("_", " "), value, text))
-        self.table.object = html_table(("parameter", "value", "90 % interval"), rows)
-        lines, _ = verdict_lines(calibration, fit.selection)
-        lines = [*lines, *selection_reasons(fit.selection)]
+        self.table.object = ui.html_table(("parameter", "value", "90 % interval"), rows)
+        lines, _ = words.verdict_lines(calibration, fit.selection)
+        lines = [*lines, *words.selection_reasons(fit.selection)]
         if not all(parameter.identifiable for parameter in calibration.parameters):
             lines.append(_UNDETERMINED)
         doubts = (
-            f"<b>{topic.capitalize()}</b>{status_line('<br>'.join(map(text_html, texts)))}"
-            for topic, texts in warnings_by_topic(calibration).items()
+            f"<b>{topic.capitalize()}</b>{ui.status_line('<br>'.join(map(ui.text_html, texts)))}"
+            for topic, texts in words.warnings_by_topic(calibration).items()
         )
-        notes = (status_line(text_html(line)) for line in lines if line)
+        notes = (ui.status_line(ui.text_html(line)) for line in lines if line)
         self.fit_notes.object = "".join([*notes, *doubts])
         self._enable_results(True)
         self.draw(self.session.view)
@@ -437,8 +403,8 @@ class DataView(Tab):
 def _empty_state(example: pn.widgets.Button) -> pn.Row:
     """Framed panel in place of the figure; `example` is the button of an example record."""
     margin, wide = (0, APART, APART, APART), "stretch_width"
-    text = pane(f"<h2>{_TITLE}</h2><p>{_TEXT}</p>", margin, sizing_mode=wide)
+    text = ui.pane(f"<h2>{_TITLE}</h2><p>{_TEXT}</p>", margin, sizing_mode=wide)
     form = f'<p class="small">Such a file begins with</p><pre>{_FORM}</pre>'
-    left = column(text, example, styles={"flex": "3 1 0", "min-width": "0"})
-    right = pane(form, 0, sizing_mode=wide, styles={"flex": "2 1 0", "min-width": "0"})
-    return row(left, right, kind="stacked framed", margin=APART)
+    left = ui.column(text, example, styles={"flex": "3 1 0", "min-width": "0"})
+    right = ui.pane(form, 0, sizing_mode=wide, styles={"flex": "2 1 0", "min-width": "0"})
+    return ui.row(left, right, kind="stacked framed", margin=APART)

@@ -25,21 +25,9 @@ from ..core.validation import (
 from ..files import dumps, example, loads, named_muscles, scenarios
 from ..muscle import Muscle
 from ..units import exact, parse
+from . import state
 from .compare_tab import add_pin
 from .scenario_setup import DEFAULT, Setup, check_policies, open_setup
-from .state import (
-    CHANGED,
-    DISPLAY_UNITS,
-    MOST_UNITS,
-    TABS,
-    Pin,
-    Unit,
-    View,
-    check_units,
-    is_shipped,
-    shipped_muscle,
-    view_of,
-)
 
 
 LONGEST = 16_000  # characters of all packed files: servers and browsers take addresses so long
@@ -48,13 +36,13 @@ TOO_LARGE = "left-out"  # instead of a larger file
 _LONGEST_NAME = 60  # characters
 
 
-def to_query(view: View) -> dict[str, str]:
+def to_query(view: state.View) -> dict[str, str]:
     """Query of the link of a `view`, by key."""
     if any(unit.own is not None for unit in view.units):
         query = {"file": pack(dumps(view.bundle)), "name": view.name}
     else:
         query = {"file": pack(dumps(view.muscle)), "name": view.name}
-        if is_shipped(view.name, view.muscle):
+        if state.is_shipped(view.name, view.muscle):
             query = {"muscle": view.name}
         query["units"] = ",".join(
             f"{unit.count}" + (f"@{unit.size!r}" if unit.size != 1 else "") for unit in view.units
@@ -67,7 +55,7 @@ def to_query(view: View) -> dict[str, str]:
         "pressures": ",".join(_text(P, "pressure") for P in view.pressures),
         "resistance": "on" if view.resistance else "off",
         "path": view.path,
-        "show": ",".join(view.display_units[kind] for kind in DISPLAY_UNITS),
+        "show": ",".join(view.display_units[kind] for kind in state.DISPLAY_UNITS),
         "tab": view.tab,
     }
     if view.load is not None:
@@ -89,7 +77,9 @@ def has_state(query: Mapping[str, str]) -> bool:
     return any(key in query for key in _READERS)
 
 
-def from_query(query: Mapping[str, str], start: View) -> tuple[View, View, list[str]]:
+def from_query(
+    query: Mapping[str, str], start: state.View
+) -> tuple[state.View, state.View, list[str]]:
     """View of a link by key, the `start` view where it has none; the view that was opened before
     its changes, for `reset`; and a message for each bad key.
     """
@@ -106,9 +96,9 @@ def from_query(query: Mapping[str, str], start: View) -> tuple[View, View, list[
         view = replace(view, pressures=(view.supply,) * len(view.units))
     pressures = tuple(min(P, view.supply) for P in view.pressures)
     view = replace(view, pressure=min(view.pressure, view.supply), pressures=pressures)
-    name, opened = view.name.removesuffix(CHANGED), view
+    name, opened = view.name.removesuffix(state.CHANGED), view
     if name != view.name and name in named_muscles():
-        opened = view_of(example(name), name, view)
+        opened = state.view_of(example(name), name, view)
     return view, opened, errors
 
 
@@ -143,11 +133,11 @@ def _text(value: float, dimension: str) -> str:
     return exact(value, dimension).replace(" ", "")
 
 
-def _pack_pins(pins: Sequence[Pin]) -> str:
+def _pack_pins(pins: Sequence[state.Pin]) -> str:
     """Text of `pins`; muscles that are shipped by their names."""
     rows = []
     for pin in pins:
-        shipped = next((name for name in named_muscles() if is_shipped(name, pin.muscle)), "")
+        shipped = next((name for name in named_muscles() if state.is_shipped(name, pin.muscle)), "")
         rows.append((pin.name, pin.pressure, shipped or dumps(pin.muscle)))
     return pack(json.dumps(rows, ensure_ascii=False))
 
@@ -155,45 +145,45 @@ def _pack_pins(pins: Sequence[Pin]) -> str:
 # readers of keys: each returns the view with the text of its key
 
 
-def _read_muscle(view: View, text: str, query: Mapping[str, str]) -> View:
+def _read_muscle(view: state.View, text: str, query: Mapping[str, str]) -> state.View:
     check_choice(text, named_muscles(), "muscle")
-    return view if "file" in query else view_of(example(text), text, view)
+    return view if "file" in query else state.view_of(example(text), text, view)
 
 
-def _read_file(view: View, text: str, query: Mapping[str, str]) -> View:
+def _read_file(view: state.View, text: str, query: Mapping[str, str]) -> state.View:
     name = query.get("name", "linked")[:_LONGEST_NAME]
-    return view_of(loads(unpack(text), source=name), name, view)
+    return state.view_of(loads(unpack(text), source=name), name, view)
 
 
-def _read_units(view: View, text: str, _: Mapping[str, str]) -> View:
-    entries = [entry.partition("@") for entry in text.split(",")[: MOST_UNITS + 1]]
+def _read_units(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
+    entries = [entry.partition("@") for entry in text.split(",")[: state.MOST_UNITS + 1]]
     try:
-        units = tuple(Unit(int(count), float(size or 1)) for count, _, size in entries)
+        units = tuple(state.Unit(int(count), float(size or 1)) for count, _, size in entries)
     except ValueError:
         raise InvalidInputError("units", "must be like 1,4@0.5", text[:40]) from None
-    check_units(units)
+    state.check_units(units)
     return replace(view, units=units, pressures=(view.supply,) * len(units))
 
 
-def _read_display_units(view: View, text: str, _: Mapping[str, str]) -> View:
+def _read_display_units(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
     units = text.split(",")
-    for kind, unit in zip(DISPLAY_UNITS, units, strict=True):
-        check_choice(unit, DISPLAY_UNITS[kind], "show")
-    return replace(view, display_units=dict(zip(DISPLAY_UNITS, units, strict=True)))
+    for kind, unit in zip(state.DISPLAY_UNITS, units, strict=True):
+        check_choice(unit, state.DISPLAY_UNITS[kind], "show")
+    return replace(view, display_units=dict(zip(state.DISPLAY_UNITS, units, strict=True)))
 
 
-def _read_pins(view: View, text: str, _: Mapping[str, str]) -> View:
-    pins: tuple[Pin, ...] = ()
+def _read_pins(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
+    pins: tuple[state.Pin, ...] = ()
     for name, pressure, source in json.loads(unpack(text)):
         if source in named_muscles():
-            muscle: Muscle = shipped_muscle(source)
+            muscle: Muscle = state.shipped_muscle(source)
         else:
-            muscle = view_of(loads(source, source="a pinned muscle"), "pin").muscle
+            muscle = state.view_of(loads(source, source="a pinned muscle"), "pin").muscle
         pins = add_pin(pins, name, muscle, _gauge_pressure(pressure))
     return replace(view, pins=pins)
 
 
-def _read_scenario(view: View, text: str, query: Mapping[str, str]) -> View:
+def _read_scenario(view: state.View, text: str, query: Mapping[str, str]) -> state.View:
     if "scenario_file" in query:
         setup = open_setup(unpack(query["scenario_file"]), text[:_LONGEST_NAME])
     else:
@@ -201,7 +191,7 @@ def _read_scenario(view: View, text: str, query: Mapping[str, str]) -> View:
     return replace(view, setup=setup)
 
 
-def _read_policies(view: View, text: str, _: Mapping[str, str]) -> View:
+def _read_policies(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
     policies = check_policies(view.setup, text.split(","))
     return replace(view, setup=replace(view.setup, policies=policies))
 
@@ -223,7 +213,7 @@ def _load(value: float) -> float:
     return float(check_finite(value, "load", "N"))
 
 
-_Reader = Callable[[View, str, Mapping[str, str]], View]
+_Reader = Callable[[state.View, str, Mapping[str, str]], state.View]
 
 
 def _quantity(name: str, dimension: str, check: Callable[[float], float]) -> _Reader:
@@ -236,8 +226,8 @@ def _choice(name: str, options: Sequence[str]) -> _Reader:
     return lambda view, text, _: replace(view, **{name: check_choice(text, options, name)})
 
 
-def _read_pressures(view: View, text: str, _: Mapping[str, str]) -> View:
-    values = text.split(",")[:MOST_UNITS]
+def _read_pressures(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
+    values = text.split(",")[: state.MOST_UNITS]
     pressures = tuple(_gauge_pressure(parse(value, "pressure")) for value in values)
     return replace(view, pressures=pressures)
 
@@ -256,7 +246,7 @@ _READERS: Mapping[str, _Reader] = {
     "resistance": lambda view, text, _: replace(view, resistance=text != "off"),
     "path": _choice("path", PATHS),
     "show": _read_display_units,
-    "tab": _choice("tab", TABS),
+    "tab": _choice("tab", state.TABS),
     "pins": _read_pins,
     "scenario": _read_scenario,
     "policies": _read_policies,

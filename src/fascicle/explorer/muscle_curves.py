@@ -4,8 +4,8 @@ Pressures are a family of even ones and, last, the chosen one; strains are even 
 kinks among them, so that curves turn sharply where the law does.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +29,7 @@ _LOW = 0.06  # of the forces drawn: closer to zero, labels of both ends stack
 _LEFT = {"free": 0.74, "collapse": 0.62}
 
 
-@dataclass(frozen=True)
-class MuscleCurves:
+class MuscleCurves(NamedTuple):
     """Curves of a muscle, and its state at the chosen pressure and strain."""
 
     # a row for each pressure of the family, and last the chosen one's
@@ -128,15 +127,13 @@ def curve_marks(curves: MuscleCurves, top: float, scale: float, unit: str) -> di
     if collapse <= top:
         force = float(np.interp(collapse, curves.strain[-1], curves.force[-1]))
         rows.append((collapse, force, f"collapse {collapse:.4f}", _BELOW, _LEFT["collapse"]))
-    x, y, labels, offsets, limits = map(list, zip(*rows, strict=True))
-    left = [strain > limit * top for strain, limit in zip(x, limits, strict=True)]
     return {
-        "x": x,
-        "y": [force / scale for force in y],
-        "label": labels,
-        "above": offsets,
-        "beside": [-_GAP_BESIDE if is_left else _GAP_BESIDE for is_left in left],
-        "align": ["right" if is_left else "left" for is_left in left],
+        "x": [strain for strain, *_ in rows],
+        "y": [force / scale for _, force, *_ in rows],
+        "label": [label for _, _, label, *_ in rows],
+        "above": [above for *_, above, _ in rows],
+        "beside": [-_GAP_BESIDE if x > limit * top else _GAP_BESIDE for x, *_, limit in rows],
+        "align": ["right" if x > limit * top else "left" for x, *_, limit in rows],
     }
 
 
@@ -148,7 +145,7 @@ def alternative_laws(muscle: Muscle) -> list[str]:
         for name, law in laws.items()
         if type(getattr(muscle, kind)) is not law
     ]
-    return [*keys, UNTUNED] if is_tuned(muscle) else keys
+    return keys + [UNTUNED] * is_tuned(muscle)
 
 
 def law_label(key: str) -> str:
@@ -158,10 +155,8 @@ def law_label(key: str) -> str:
 
 def with_alternative(muscle: Muscle, key: str) -> Muscle:
     """The muscle with the law that a `key` of `alternative_laws` names, or without its tuning."""
-    if key == UNTUNED:
-        return muscle.replace(tuning=Tuning())
     kind, _, name = key.partition(":")
-    return muscle.replace(**{kind: name})
+    return muscle.replace(tuning=Tuning()) if key == UNTUNED else muscle.replace(**{kind: name})
 
 
 def is_tuned(muscle: Muscle) -> bool:

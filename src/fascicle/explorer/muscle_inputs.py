@@ -9,7 +9,6 @@ import panel as pn
 
 from ..core.errors import InvalidInputError
 from ..core.module import replace_checked
-from ..muscle import Muscle
 from ..muscle.laws import LAWS
 from ..muscle.materials import MATERIALS
 from .state import CHANGED, Session, View, is_shipped
@@ -24,19 +23,16 @@ class MuscleInputs:
     """Inputs of a muscle; a change makes another muscle, or shows why there is none."""
 
     def __init__(self, session: Session):
-        self._session = session
+        self._session, self.message = session, Message()
         self.fields = {
             name: Field(label, name, dimension, partial(self._set_size, name))
             for name, (label, dimension) in SIZES.items()
         }
-        options = [*MATERIALS, _CUSTOM]
-        self._material = dropdown("Material", options, self._choose_material)
-        self.message = Message()
+        self._material = dropdown("Material", [*MATERIALS, _CUSTOM], self._choose_material)
         self.laws = {kind: LawInputs(kind, self) for kind in LAWS}
         sizes = [widget for field in self.fields.values() for widget in field.widgets]
-        laws = fold(
-            "Advanced: laws and their constants", *(law.panel for law in self.laws.values())
-        )
+        panels = [law.panel for law in self.laws.values()]
+        laws = fold("Advanced: laws and their constants", *panels)
         self.panel = column(column(*sizes, kind="pairs"), self._material, self.message.pane, laws)
 
     def show(self, view: View) -> None:
@@ -53,9 +49,13 @@ class MuscleInputs:
 
     def change(self, **parts: object) -> None:
         """Replace parts of the session's muscle, and rename it; `ValueError` if it can't be."""
-        view = self._session.view
-        muscle = view.muscle.replace(**parts)
-        after = replace(view, muscle=muscle, name=self._name_of(muscle))
+        view, opened = self._session.view, self._session.opened
+        muscle, name = view.muscle.replace(**parts), view.name.removesuffix(CHANGED)
+        if muscle == opened.muscle:
+            name = opened.name
+        elif not is_shipped(name, muscle):
+            name += CHANGED
+        after = replace(view, muscle=muscle, name=name)
         _ = after.bundle  # raises at this field if it can't be a bundle any more
         self._session.show(after)
 
@@ -64,15 +64,7 @@ class MuscleInputs:
         with message.errors():
             self.change(**parts)
 
-    def _name_of(self, muscle: Muscle) -> str:
-        """Name of a changed `muscle`; again the first one's name if it has returned to that."""
-        opened, name = self._session.opened, self._session.view.name.removesuffix(CHANGED)
-        if muscle == opened.muscle:
-            return opened.name
-        return name if is_shipped(name, muscle) else f"{name}{CHANGED}"
-
     def _set_size(self, name: str, value: float) -> None:
-        """Set the size with a `name`; errors are for the field to show."""
         try:
             self.change(**{name: value})
         except InvalidInputError as error:
@@ -90,14 +82,12 @@ class LawInputs:
     """Inputs of one kind of law: its name, and a field for each of its constants and options."""
 
     def __init__(self, kind: str, inputs: MuscleInputs):
-        self._kind, self._inputs = kind, inputs
+        self._kind, self._inputs, self._message = kind, inputs, Message()
         self._law: Any = None
         self.fields: dict[str, Field] = {}
         self.choices: dict[str, pn.widgets.Select] = {}
         names = {name.replace("_", " "): name for name in LAWS[kind]}
-        title = _TITLES.get(kind, kind.capitalize())
-        self.select = dropdown(title, names, self._choose_law)
-        self._message = Message()
+        self.select = dropdown(_TITLES.get(kind, kind.capitalize()), names, self._choose_law)
         self._constants = column(margin=(0, 0, 0, 12))
         self.panel = column(self.select, self._message.pane, self._constants)
 
@@ -106,13 +96,8 @@ class LawInputs:
         before, self._law = self._law, law
         if type(law) is not type(before):
             self.fields = {
-                constant.name: Field(
-                    _label_of(constant.name),
-                    constant.name,
-                    constant.dimension,
-                    partial(self._set_constant, constant.name),
-                )
-                for constant in law.constants()
+                name: Field(_label_of(name), name, dimension, partial(self._set_constant, name))
+                for name, dimension in ((x.name, x.dimension) for x in law.constants())
             }
             self.choices = {
                 switch.name: dropdown(
@@ -145,5 +130,4 @@ class LawInputs:
 
 
 def _label_of(name: str) -> str:
-    """Label of a law's constant or switch: `some_name` as "Some name"."""
     return name.replace("_", " ").capitalize()

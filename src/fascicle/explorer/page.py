@@ -16,6 +16,7 @@ from ..files import descriptions, example, loads, named_muscles
 from ..io.sanitize import sanitize_line
 from ..muscle import Muscle
 from ..plot.theme import TITLE
+from . import widgets as ui
 from .bundle_tab import BundleView
 from .compare_tab import CompareView
 from .data_tab import RECORD_SUFFIXES, DataView
@@ -26,22 +27,6 @@ from .state import CHANGED, CONTENT_FIELDS, DISPLAY_UNITS, TABS, Session, View, 
 from .story import Story
 from .tab import Tab, output_stem, session_document
 from .time_tab import TimeView
-from .widgets import (
-    LAYOUT_CSS,
-    WIDGET_CSS,
-    Message,
-    button,
-    column,
-    decode_upload,
-    download_button,
-    dropdown,
-    file_input,
-    page_colors,
-    page_css,
-    pane,
-    row,
-    widget,
-)
 
 
 LARGEST_MUSCLE_FILE = 100_000  # bytes: a hundred tuned muscles
@@ -82,55 +67,55 @@ class Header:
         """Header of a `page`; the address has the theme if it is dark or `theme_in_link`."""
         session = self._session = page.session
         self._page, self._address_timer = page, None
-        self.message = Message()
+        self.message = ui.Message()
         self._theme, self._theme_in_link = theme, theme_in_link or theme == "dark"
         groups = {
             title: {_example_label(text): name for name, text in descriptions(kind).items()}
             for title, kind in (("Examples", "examples"), ("Measured muscles", "measured"))
         }
         groups["Your own"] = {_CUSTOM: _CUSTOM}
-        self._example = widget(
+        self._example = ui.widget(
             pn.widgets.Select, "Example", self._choose_example, groups=groups, width=250
         )
         suffixes = f".toml,{RECORD_SUFFIXES}"
-        self.file = file_input("Open a file", suffixes, self._open_file, width=216)
+        self.file = ui.file_input("Open a file", suffixes, self._open_file, width=216)
         style = {"margin": (22, 4, 4, 4)}
-        self.undo = button("Undo", session.undo, css_classes=["undo"], width=62, **style)
-        self.redo = button("Redo", session.redo, css_classes=["redo"], width=62, **style)
-        self.reset = button("Reset", session.reset, width=62, **style)
+        self.undo = ui.button("Undo", session.undo, css_classes=["undo"], width=62, **style)
+        self.redo = ui.button("Redo", session.redo, css_classes=["redo"], width=62, **style)
+        self.reset = ui.button("Reset", session.reset, width=62, **style)
         share, self._share = self._fold("Share", self._share_buttons())
         self._units = {
-            kind: dropdown(kind.capitalize(), units, partial(self._set_unit, kind), width=86)
+            kind: ui.dropdown(kind.capitalize(), units, partial(self._set_unit, kind), width=86)
             for kind, units in DISPLAY_UNITS.items()
         }
-        self.theme_switch = button("", self._switch_theme, width=120, **style)
+        self.theme_switch = ui.button("", self._switch_theme, width=120, **style)
         options, self._options = self._fold("Units", [*self._units.values(), self.theme_switch])
         self._name_theme_switch()
-        self._title = pane(margin=(8, 16, 4, 16), sizing_mode="stretch_width")
+        self._title = ui.pane(margin=(8, 16, 4, 16), sizing_mode="stretch_width")
         history = (self.undo, self.redo, self.reset)
-        inputs = row(self._example, self.file, *history, share, options, kind="header")
-        self.panel = column(self._title, inputs, self._share, self._options, self.message.pane)
+        inputs = ui.row(self._example, self.file, *history, share, options, kind="header")
+        self.panel = ui.column(self._title, inputs, self._share, self._options, self.message.pane)
         session.watch(self._follow)
         self._show(session.view)
 
     @staticmethod
     def _fold(label: str, parts: Sequence[object]) -> tuple[pn.widgets.Toggle, pn.Row]:
         """A button that shows and hides a row of `parts`, and that row."""
-        content = row(*parts, kind="wrapped", visible=False, margin=(0, 8))
-        toggle = widget(pn.widgets.Toggle, f"{label} ▾", margin=(22, 4, 4, 4), width=86)
+        content = ui.row(*parts, kind="wrapped", visible=False, margin=(0, 8))
+        toggle = ui.widget(pn.widgets.Toggle, f"{label} ▾", margin=(22, 4, 4, 4), width=86)
         toggle.link(content, value="visible")
         return toggle, content
 
     def _share_buttons(self) -> list[pn.widgets.Widget]:
         """Buttons that save the view: its file, a page, its link, pictures and data."""
-        copy = button("Copy link", None, margin=(2, 4), width=150)
+        copy = ui.button("Copy link", None, margin=(2, 4), width=150)
         copy.js_on_click(code="fascicleCopy()")
         return [
-            download_button("Muscle or bundle (TOML)", self._file, self.message, width=190),
-            download_button("Web page (HTML)", self._web_page, self.message),
+            ui.download_button("Muscle or bundle (TOML)", self._file, self.message, width=190),
+            ui.download_button("Web page (HTML)", self._web_page, self.message),
             copy,
             *(
-                download_button(label, partial(self._tab_file, suffix), self.message)
+                ui.download_button(label, partial(self._tab_file, suffix), self.message)
                 for suffix, label in _FILES.items()
             ),
         ]
@@ -168,7 +153,7 @@ class Header:
             if name.lower().endswith(tuple(RECORD_SUFFIXES.split(","))):
                 self._page.open_record(raw, name)
                 return
-            target = loads(decode_upload(raw, name, LARGEST_MUSCLE_FILE), source=name)
+            target = loads(ui.decode_upload(raw, name, LARGEST_MUSCLE_FILE), source=name)
             self._session.input_names.add(name)
             self._session.open(view_of(target, name, self._session.view))
 
@@ -242,16 +227,16 @@ class Page:
 
         With an `offer`, browsers that have not dismissed it offer the story.
         """
-        self.session, self._colors = session, page_colors(theme)
+        self.session, self._colors = session, ui.page_colors(theme)
         self.header = Header(self, theme, theme_in_link)
         self.header.message.show(" ".join(errors))
         self._story = Story(session, offer)
         self._views: dict[str, Tab] = {}
-        self._contents = {name: column() for name in TABS}
+        self._contents = {name: ui.column() for name in TABS}
         self._tabs = pn.Tabs(
             *((name.capitalize(), content) for name, content in self._contents.items()),
             dynamic=True,
-            stylesheets=[WIDGET_CSS, LAYOUT_CSS],
+            stylesheets=[ui.WIDGET_CSS, ui.LAYOUT_CSS],
             css_classes=["narrow"],
             sizing_mode="stretch_width",
             margin=(0, 8),
@@ -260,7 +245,7 @@ class Page:
         self._tabs.param.watch(lambda event: session.change(tab=TABS[event.new]), "active")
         session.watch(self._follow)
         self._open_tab(session.view.tab)
-        self.panel = column(self.header.panel, self._story.panel, self._tabs, name="explorer")
+        self.panel = ui.column(self.header.panel, self._story.panel, self._tabs, name="explorer")
         self._set_style()
         self.panel.jscallback(stylesheets="window.fascicleStyle?.(cb_obj.stylesheets.at(-1))")
 
@@ -278,14 +263,14 @@ class Page:
 
     def show_theme(self, theme: str) -> None:
         """Show the page in a `theme`, "default" or "dark"."""
-        self._colors = page_colors(theme)
+        self._colors = ui.page_colors(theme)
         self._set_style()
         for view in self._views.values():
             view.set_colors(self._colors)
         self._open_tab(self.session.view.tab)
 
     def _set_style(self) -> None:
-        self.panel.stylesheets = [LAYOUT_CSS, page_css(self._colors)]
+        self.panel.stylesheets = [ui.LAYOUT_CSS, ui.page_css(self._colors)]
 
     def _open_tab(self, name: str) -> None:
         """Show a tab, which is made when it is first opened: most visitors never open most."""

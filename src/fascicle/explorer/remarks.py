@@ -61,36 +61,32 @@ def glossary_html(title: str, meanings: Mapping[str, str]) -> str:
 def remarks_html(view: View, tab: str) -> str:
     """Validity warnings, marked, and notes of a `tab` on a `view`."""
     lines = []
-    others = sum(unit.own is not None for unit in view.units)
-    if tab == "muscle" and others:
-        lines.append(f"This is the muscle of unit 1; {others} of the others have their own.")
+    unequal = sum(unit.own is not None for unit in view.units)
+    if tab == "muscle" and unequal:
+        lines.append(f"This is the muscle of unit 1; {unequal} of the others have their own.")
     scaled = tab == "bundle" and any(unit.size != 1 for unit in view.units)
     edited = tab == "muscle" and view.name.endswith(CHANGED)
     if (scaled or edited) and is_tuned(view.muscle):
         lines.append(_UNMEASURED_SIZE)
-    warnings = (
-        f'<p class="warning">{text_html(text)}</p>' for text in validity_warnings(view, tab)
-    )
+    warnings = [f'<p class="warning">{text_html(x)}</p>' for x in validity_warnings(view, tab)]
     return "".join(warnings) + status_line(" ".join(lines))
 
 
 def validity_warnings(view: View, tab: str) -> list[str]:
-    """Reasons why a `tab` with a `view` may be wrong, each once.
-
-    Constants of a muscle of another size, a fit at another length, pressures above those that were
-    measured, a radius out of proportion to the length, muscles that the plates stretch.
+    """Reasons why a `tab` with a `view` may be wrong, each once: constants of a muscle of another
+    size, a fit at another length, pressures above those that were measured, a radius out of
+    proportion to the length, muscles that the plates stretch.
     """
-    single = tab == "muscle"
-    muscles = [view.muscle] if single else [view.muscle_of(unit) for unit in view.units]
+    units = [] if tab == "muscle" else view.units
     lines = []
-    for muscle in muscles:
+    for muscle in [view.muscle_of(unit) for unit in units] or [view.muscle]:
         lines += [
             published_range_message(muscle),
             fitted_length_mismatch(muscle),
             muscle.tuning.extrapolation_message(view.supply),
             proportions_message(muscle.length, muscle.outer_radius),
         ]
-        if not single and view.distance is not None:
+        if units and view.distance is not None:
             strain = muscle_strain(view.distance / muscle.length, 0.0)
             lines.append(extension_message(strain, lowest_strain(muscle.law)))
     return [line for line in dict.fromkeys(lines) if line]
@@ -100,13 +96,11 @@ def tuning_note(muscle: Muscle) -> str:
     """Sentence on the tuning of a `muscle`; empty where it has none."""
     if not is_tuned(muscle):
         return ""
-    tuning = muscle.tuning
-    changes = [
-        f"{label} × {float(getattr(tuning, f'{name}_factor')):.4g}"
-        for name, label in _FACTORS.items()
-        if float(getattr(tuning, f"{name}_factor")) != 1
-    ]
-    if (rows := tuning.pressures.shape[-1]) > 1:
+    factors = {
+        label: float(getattr(muscle.tuning, f"{name}_factor")) for name, label in _FACTORS.items()
+    }
+    changes = [f"{label} × {factor:.4g}" for label, factor in factors.items() if factor != 1]
+    if (rows := muscle.tuning.pressures.shape[-1]) > 1:
         changes.append(f"C₁ and C₂ in {rows} rows")
     return (
         f"This muscle is tuned{': ' * bool(changes)}{', '.join(changes)}. To see the curve without"

@@ -130,11 +130,7 @@ class Scene:
     """A figure of solids that the pointer turns, and a slider; a double click turns it back."""
 
     def __init__(
-        self,
-        colors: Colors,
-        name: str,
-        height: str,
-        on_pull: Callable[[float], None] | None = None,
+        self, colors: Colors, name: str, height: str, on_pull: Callable[[float], None] | None = None
     ):
         """Scene whose sources have a `name`, and a `height` in CSS; `on_pull` takes the strain [-]
         to which a hand pulls an end of the muscle.

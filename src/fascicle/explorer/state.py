@@ -124,20 +124,16 @@ def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> V
         return replace(view, units=units, pressures=(SUPPLY, _SECOND_PRESSURE))
     counts = [int(unit.count) for unit in target.motor_units]
     check_units(tuple(map(Unit, counts)))  # first: comparing thousands of muscles takes long
+    muscles = [unit.muscle for unit in target.motor_units]
     units = tuple(
-        Unit(count, own=None if unit.muscle == muscle else unit.muscle)
-        for count, unit in zip(counts, target.motor_units, strict=True)
+        Unit(count, own=None if own == muscle else own)
+        for count, own in zip(counts, muscles, strict=True)
     )
     supply = SUPPLY if target.supply_pressure is None else float(target.supply_pressure)
-    return replace(
-        view,
-        units=units,
-        supply=supply,
-        scheme=target.scheme.name,
-        distance=None if target.plate_distance is None else float(target.plate_distance),
-        pressure=min(view.pressure, supply),
-        pressures=(supply,) * len(units),
-    )
+    view = replace(view, units=units, supply=supply, pressures=(supply,) * len(units))
+    distance = None if target.plate_distance is None else float(target.plate_distance)
+    pressure = min(view.pressure, supply)
+    return replace(view, scheme=target.scheme.name, distance=distance, pressure=pressure)
 
 
 @lru_cache(maxsize=64)  # more than there are; a link is written after every move
@@ -158,18 +154,17 @@ def check_units(units: tuple[Unit, ...]) -> None:
     total, fewest = sum(unit.count for unit in units), min(unit.count for unit in units)
     if fewest < 1 or total > MOST_MUSCLES:
         rule = f"must be 1 or more in each motor unit and {MOST_MUSCLES} in all"
-        count_text = f"{fewest}" if fewest < 1 else f"{total} in all"
-        raise InvalidInputError("count", rule, total, shown=count_text)
+        text = f"{fewest}" if fewest < 1 else f"{total} in all"
+        raise InvalidInputError("count", rule, total, shown=text)
     for unit in units:
-        if not (math.isfinite(unit.size) and SIZES[0] <= unit.size <= SIZES[1]):
-            rule = f"must lie in [{SIZES[0]:g}, {SIZES[1]:g}] times the shared muscle's"
+        if not SIZES[0] <= unit.size <= SIZES[1]:  # nor NaN
+            rule = f"must lie in [{SIZES[0]:g}, {SIZES[1]:g}] times the muscle's"
             raise InvalidInputError("radius", rule, unit.size, shown=f"{unit.size:g} times")
 
 
 class Session(param.Parameterized):
-    """View of one visitor, and the views before.
-
-    `opened`: the view that was opened last, by a link, an example or a file.
+    """View of one visitor, and the views before; `opened`: the view that was opened last, by a
+    link, an example or a file. Callbacks run in a `batch`, which sends all changes at once.
     """
 
     if TYPE_CHECKING:
@@ -183,7 +178,6 @@ class Session(param.Parameterized):
         opened: View | None = None,
         batch: Callable[[], AbstractContextManager[None]] = nullcontext,
     ):
-        """Session whose callbacks run in a `batch`, which sends all changes at once."""
         super().__init__(view=view)
         self.opened = opened or view
         self.input_names: set[str] = set()  # of files that were read: no output may have one
@@ -219,8 +213,7 @@ class Session(param.Parameterized):
 
     def open(self, view: View) -> None:
         """Show a view that was opened, to which `reset` returns."""
-        self.opened = view
-        self._last = set(), -math.inf
+        self.opened, self._last = view, (set(), -math.inf)
         self.show(view)
 
     @property
@@ -244,24 +237,23 @@ class Session(param.Parameterized):
     def undo(self) -> None:
         """Show the view before the last change; the tab and the units shown stay."""
         if self.can_undo:
-            self._future.append(self.view)
-            self._step(self._past.pop())
+            self._step(self._past, self._future)
 
     def redo(self) -> None:
         """Show the view before the last `undo`."""
         if self.can_redo:
-            self._past.append(self.view)
-            self._step(self._future.pop())
+            self._step(self._future, self._past)
 
     def reset(self) -> None:
         """Show the view as it was opened, but keep the tab and the display units."""
         self._last = set(), -math.inf  # not a step of the last change
         self.show(self._with_display(self.opened))
 
-    def _step(self, view: View) -> None:
-        """Show a `view` of the history."""
+    def _step(self, source: list[View], target: list[View]) -> None:
+        """Show the last view of `source`, and keep the present one in `target`."""
+        target.append(self.view)
         self._last = set(), -math.inf
-        self._set(self._with_display(view))
+        self._set(self._with_display(source.pop()))
 
     def _with_display(self, view: View) -> View:
         """The `view` with the tab and the display units of the session's present view."""

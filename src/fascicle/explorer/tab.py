@@ -12,11 +12,11 @@ import warnings
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
+import numpy as np
 import panel as pn
 from bokeh.document import Document
 from matplotlib.figure import Figure
@@ -25,7 +25,7 @@ from ..plot.theme import Colors, to_bytes
 from ..results import Table
 from .chart import replace_colors
 from .state import Session, View, changed
-from .widgets import Message, QuantitySlider, pane, status_line, unit_factor
+from .widgets import Message, QuantitySlider, pane, status_line, unit_factor, wide_pane
 
 
 _MOST_JOBS = 2  # at once, in threads and in processes; others wait
@@ -37,8 +37,7 @@ Outcome = tuple[Any, ValueError | None]  # of a computation: result, and error
 _Result = TypeVar("_Result")
 
 
-@dataclass(frozen=True)
-class Export:
+class Export(NamedTuple):
     """Content of a tab, as a table of `variables` and a `figure`; `stem` of the files' names."""
 
     stem: str
@@ -57,11 +56,11 @@ def output_stem(name: str, kind: str, input_names: Iterable[str] = ()) -> str:
     # the name is a visitor's: nothing in it may leave a folder
     base = Path(name.replace("\\", "/")).name
     base = re.sub(r"\.(toml|csv|txt|tsv)$", "", base, flags=re.IGNORECASE)
-    safe = re.sub(r"[^\w.-]+", "_", base).strip(".-") or "file"
-    stem = f"{safe}_{kind}"
+    stem = re.sub(r"[^\w.-]+", "_", base).strip(".-") or "file"
+    stem += f"_{kind}"
     stems = {Path(input_name).stem.lower() for input_name in input_names}
     while stem.lower() in stems:
-        stem = f"{stem}_{kind}"
+        stem += f"_{kind}"
     return stem
 
 
@@ -78,9 +77,7 @@ class Tab:
 
     def __init__(self, session: Session, colors: Colors):
         self.session, self.colors = session, colors
-        self.status = pane(height=22)
-        self.notes = pane(margin=(2, 8), sizing_mode="stretch_width")
-        self.message = Message()
+        self.status, self.notes, self.message = pane(height=22), wide_pane(margin=(2, 8)), Message()
         self._drawn: View | None = None
         session.watch(lambda _, after: self.refresh() if after.tab == self.name else None)
 
@@ -91,12 +88,10 @@ class Tab:
     def refresh(self) -> None:
         """Draw the session's view, or follow what changed since it was drawn."""
         before, view = self._drawn, self.session.view
-        if before is view:
-            return
         self._drawn = view
         if before is None or changed(before, view, *self.fields):
             self.draw(view)
-        else:
+        elif before is not view:
             self.follow(before, view)
 
     def draw(self, view: View) -> None:
@@ -125,16 +120,30 @@ class Tab:
         """Name of a file of some `kind` from this tab, without its suffix."""
         return output_stem(self.session.view.name, kind, self.session.input_names)
 
-    def strain_slider(self, label: str = "Contraction ε") -> QuantitySlider:
-        """A slider of the view's contraction."""
-        return QuantitySlider(
-            label, "strain", "strain", lambda value: self.session.change(strain=value)
-        )
-
     def fail(self, error: ValueError | str) -> None:
         """Show the error of a computation, and end its status."""
         self.status.object = ""
         self.message.show(error)
+
+
+class StrainTab(Tab):
+    """A tab with a slider of the view's contraction, up to the strain `top` [-] of its figure."""
+
+    top = 0.3
+
+    def __init__(self, session: Session, colors: Colors, label: str = "Contraction ε"):
+        super().__init__(session, colors)
+        self.strain = QuantitySlider(
+            label, "strain", "strain", lambda value: session.change(strain=value)
+        )
+
+    def show_strain(self, view: View) -> None:
+        """Show the contraction of a `view`."""
+        self.strain.show(min(view.strain, self.top), "", self.top)
+
+    def set_strain(self, strain: float, _: float = 0.0) -> None:
+        """Move the point to a `strain` [-] that is drawn, with a pointer's digits."""
+        self.session.change(strain=round(float(np.clip(strain, 0.0, self.top)), 4))
 
 
 def session_document() -> Document | None:
@@ -149,13 +158,13 @@ def _is_alive(doc: Document) -> bool:
 
 
 class Progress:
-    """A bar that moves while a computation of unknown duration runs, and a line about it."""
+    """A bar that moves while a computation of unknown duration runs, and a line about it in the
+    pane `status`; `label` for screen readers.
+    """
 
     def __init__(self, label: str, status: Any):
-        """Progress with a `label` for screen readers; `status` is the pane of the line."""
         html = f'<div role="progressbar" aria-label="{label}"><div></div></div>'
-        self.bar = pane(html, visible=False, sizing_mode="stretch_width")
-        self._status = status
+        self.bar, self._status = wide_pane(html, visible=False), status
 
     def start(self, text: str) -> None:
         """Show the bar and a `text`."""
@@ -167,8 +176,11 @@ class Progress:
 
 
 class LatestResult:
-    """Runs one computation at a time in a thread, then that of the latest request, if it is newer;
-    a slider that goes on moving shows each result.
+    """Runs one computation at a time in a thread of `workers`, then that of the latest request, if
+    it is newer; a slider that goes on moving shows each result.
+
+    On the loop, `show` takes a result, and `fail` an error, once `is_open` is true: Panel gives
+    what changes in a hidden tab style sheets from another machine.
     """
 
     def __init__(
@@ -178,10 +190,6 @@ class LatestResult:
         is_open: Callable[[], bool] = lambda: True,
         workers: ThreadPoolExecutor = _WORKERS,
     ):
-        """On the loop, `show` takes a result, and `fail` an error, once `is_open` is true: Panel
-        gives what changes in a hidden tab style sheets from another machine. `workers` are its
-        threads.
-        """
         self._show, self._fail, self._workers, self._is_open = show, fail, workers, is_open
         self._latest: Callable[[], object] | None = None
         self._busy, self._task = False, None
@@ -199,8 +207,10 @@ class LatestResult:
         self._latest = None
 
     def _start(self, doc: Document, compute: Callable[[], object]) -> None:
-        """Run `compute` in a thread; at its end show its result, or start a newer request."""
         self._busy = True
+        future = self._workers.submit(result_and_error, compute)
+        _RUNNING.add(future)
+        future.add_done_callback(_RUNNING.discard)
 
         def deliver(outcome: Outcome) -> None:
             self._busy = False
@@ -218,9 +228,6 @@ class LatestResult:
                 # on the loop: a document that sends its changes loses a callback of a thread
                 doc.add_next_tick_callback(lambda: deliver(outcome))
 
-        future = self._workers.submit(result_and_error, compute)
-        _RUNNING.add(future)
-        future.add_done_callback(_RUNNING.discard)
         self._task = asyncio.get_running_loop().create_task(wait())
 
     def _show_outcome(self, outcome: Outcome) -> None:

@@ -19,41 +19,13 @@ from matplotlib.figure import Figure
 from ..core.errors import MissingExtraError, require
 from ..files import scenarios
 from ..plot.theme import DOUBLE, LIGHT, Colors, new_figure, styled
+from . import time_run
+from . import widgets as ui
 from .chart import Chart, cycle_colors, padded_range
 from .remarks import glossary_html
 from .scenario_setup import LARGEST_FILE, POLICIES, ScenarioValue, Setup, check_policies, open_setup
 from .state import Session, View
 from .tab import WAITING, Export, LatestResult, Progress, Tab, output_stem, run_job
-from .time_run import (
-    ALPHAS,
-    HATCHED,
-    STATES,
-    PolicyResult,
-    SimulationResult,
-    rigid_colors,
-    run_policies,
-)
-from .widgets import (
-    LAYOUT_CSS,
-    WIDGET_CSS,
-    Field,
-    button,
-    column,
-    decode_upload,
-    download_button,
-    dropdown,
-    field_unit,
-    file_input,
-    heading,
-    html_legend,
-    html_table,
-    pane,
-    row,
-    side_column,
-    status_line,
-    text_html,
-    widget,
-)
 
 
 _OWN = "(your file)"
@@ -121,20 +93,20 @@ class ScenarioInputs:
     def __init__(self, tab: "TimeView"):
         self._session, self._tab, self._updating = tab.session, tab, False
         names = [*scenarios(), _OWN]
-        self.scenario = dropdown("Scenario", names, self._choose_scenario, width=200)
-        self.file = file_input("Open a scenario (.toml)", ".toml", self._open_file)
+        self.scenario = ui.dropdown("Scenario", names, self._choose_scenario, width=200)
+        self.file = ui.file_input("Open a scenario (.toml)", ".toml", self._open_file)
         label = "Run the bundle of the other tabs"
-        self.page_bundle = widget(pn.widgets.Checkbox, label, self._set_bundle, margin=(6, 8))
-        self.about = pane(sizing_mode="stretch_width")
-        self._inputs: dict[str, Field] = {}
-        self._fields, self._policy_title = column(), pane()
-        self.policies = widget(
+        self.page_bundle = ui.widget(pn.widgets.Checkbox, label, self._set_bundle, margin=(6, 8))
+        self.about = ui.pane(sizing_mode="stretch_width")
+        self._inputs: dict[str, ui.Field] = {}
+        self._fields, self._policy_title = ui.column(), ui.pane()
+        self.policies = ui.widget(
             pn.widgets.CheckBoxGroup, "Policies", self._set_policies, options=list(POLICIES)
         )
-        self._words = pane(glossary_html("Explain the policies", POLICIES))
-        self.save = download_button("Save scenario", self._scenario_file, tab.message)
+        self._words = ui.pane(glossary_html("Explain the policies", POLICIES))
+        self.save = ui.download_button("Save scenario", self._scenario_file, tab.message)
         inputs = (self.file, self.page_bundle, self._fields, self._policy_title, self.policies)
-        self.panel = side_column(*inputs, self._words, self.save, width=300)
+        self.panel = ui.side_column(*inputs, self._words, self.save, width=300)
 
     def show(self, view: View) -> None:
         """Show the setup of a `view`."""
@@ -147,8 +119,8 @@ class ScenarioInputs:
         self.page_bundle.param.update(value=setup.page_bundle and takes, disabled=not takes)
         self._show_fields(view)
         self.policies.param.update(visible=has_control, value=list(setup.policies))
-        title = heading("Policies to compare (default: the scenario's)")
-        self._policy_title.object = title if has_control else status_line(_NO_POLICY)
+        title = ui.heading("Policies to compare (default: the scenario's)")
+        self._policy_title.object = title if has_control else ui.status_line(_NO_POLICY)
         self._words.visible = has_control
         self._updating = False
 
@@ -156,20 +128,20 @@ class ScenarioInputs:
         fields = view.setup.fields
         if [field.path for field in fields] != list(self._inputs):
             self._inputs = {field.path: self._make_input(field) for field in fields}
-            cells = [column(*field.widgets) for field in self._inputs.values()]
+            cells = [ui.column(*field.widgets) for field in self._inputs.values()]
             # a new grid: Bokeh leaves an empty cell where it changes the children of one
-            self._fields.objects = [column(*cells, kind="pairs")]
+            self._fields.objects = [ui.column(*cells, kind="pairs")]
         for field in fields:
-            unit = field_unit(field.dimension, view.display_units)
+            unit = ui.field_unit(field.dimension, view.display_units)
             self._inputs[field.path].show(field.value, unit)
 
-    def _make_input(self, field: ScenarioValue) -> Field:
+    def _make_input(self, field: ScenarioValue) -> ui.Field:
         def set_value(value: float) -> None:
             setup = self._session.view.setup
             self._session.change(setup=setup.with_value(field.path, value))
 
         (*_, name) = (key for key in field.path.split(".") if not key.isdigit())
-        return Field(field.label, name, field.dimension, set_value)
+        return ui.Field(field.label, name, field.dimension, set_value)
 
     def _choose_scenario(self, name: str) -> None:
         if self._updating:
@@ -194,7 +166,7 @@ class ScenarioInputs:
 
     def _open_file(self, raw: bytes, name: str) -> None:
         with self._tab.message.errors():
-            setup = open_setup(decode_upload(raw, name, LARGEST_FILE), name)
+            setup = open_setup(ui.decode_upload(raw, name, LARGEST_FILE), name)
             self._session.input_names.add(name)
             self._session.change(setup=setup)
 
@@ -233,7 +205,7 @@ class Player:
         self.pane = scene.new_pane()
 
     def _add_controls(self, models: dict[str, Any]) -> None:
-        style: Any = {"stylesheets": [WIDGET_CSS]}
+        style: Any = {"stylesheets": [ui.WIDGET_CSS]}
         play = Button(label="▶ Play", width=96, margin=(20, 4, 4, 8), name="play", **style)
         options: Any = [(value, f"{value}×") for value in _SPEEDS]
         speed = Select(title="Speed", width=78, value="1", margin=(2, 8), options=options, **style)
@@ -260,7 +232,7 @@ class Player:
         for size in ("inner_width", "inner_height"):
             self._scene.figure.js_on_change(size, code)
         wide, fixed = {"sizing_mode": "stretch_width"}, {"sizing_mode": None}
-        self.controls = row(
+        self.controls = ui.row(
             pn.pane.Bokeh(play, margin=0, **fixed),
             pn.pane.Bokeh(slider, margin=0, **wide),
             pn.pane.Bokeh(speed, margin=0, **fixed),
@@ -284,12 +256,12 @@ class TimeView(Tab):
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
-        self.result: SimulationResult | None = None
+        self.result: time_run.SimulationResult | None = None
         self._run_text = ""  # scenario of the result
-        self.drawn = dropdown("Policy that is drawn", [], self._choose_drawn, visible=False)
+        self.drawn = ui.dropdown("Policy that is drawn", [], self._choose_drawn, visible=False)
         self.inputs = ScenarioInputs(self)
-        self.run = button("Run", self.start_run, color="primary", width=76, margin=(22, 4, 4, 8))
-        self.cancel = button(
+        self.run = ui.button("Run", self.start_run, color="primary", width=76, margin=(22, 4, 4, 8))
+        self.cancel = ui.button(
             "Cancel", self.cancel_run, width=76, margin=(22, 4, 4, 4), disabled=True
         )
         self._progress = Progress("simulating", self.status)
@@ -305,16 +277,16 @@ class TimeView(Tab):
             )
             for name, height in _CHARTS.items()
         ]
-        self._legends = [pane(sizing_mode="stretch_width", margin=(4, 8, 0, 8)) for _ in _CHARTS]
+        self._legends = [ui.pane(sizing_mode="stretch_width", margin=(4, 8, 0, 8)) for _ in _CHARTS]
         self.curves: list[Any] = []
         for chart, name in zip(self.charts, _CHARTS, strict=True):
             chart.figure.x_range = self.charts[0].figure.x_range
             chart.add_zero_line()
             self.curves.append(chart.add("over_time", f"time_{name}"))
         self._player = Player(colors, self.charts)
-        self._drawing_legend = pane(sizing_mode="stretch_width")
-        self._table = pane(margin=(4, 8), stylesheets=[LAYOUT_CSS, _TABLE_CSS])
-        drawing = column(
+        self._drawing_legend = ui.pane(sizing_mode="stretch_width")
+        self._table = ui.pane(margin=(4, 8), stylesheets=[ui.LAYOUT_CSS, _TABLE_CSS])
+        drawing = ui.column(
             self.drawn,
             self._player.pane,
             self._drawing_legend,
@@ -324,14 +296,14 @@ class TimeView(Tab):
         )
         pairs = zip(self._legends, self.charts, strict=True)
         panes = (part for legend, chart in pairs for part in (legend, chart.new_pane()))
-        charts = column(*panes, kind="equal", styles={"flex": "3 1 0"})
+        charts = ui.column(*panes, kind="equal", styles={"flex": "3 1 0"})
         player = (self._player.controls, self._player.readout)
-        self._shown = column(*player, row(drawing, charts), visible=False)
-        self.empty_state = column(pane(_EMPTY), kind="framed", margin=8)
-        top = row(self.inputs.scenario, self.run, self.cancel, kind="wrapped")
+        self._shown = ui.column(*player, ui.row(drawing, charts), visible=False)
+        self.empty_state = ui.column(ui.pane(_EMPTY), kind="framed", margin=8)
+        top = ui.row(self.inputs.scenario, self.run, self.cancel, kind="wrapped")
         state = (self._progress.bar, self.status, self.message.pane, self.notes)
-        main = column(top, self.inputs.about, *state, self.empty_state, self._shown)
-        self.panel = row(self.inputs.panel, main)
+        main = ui.column(top, self.inputs.about, *state, self.empty_state, self._shown)
+        self.panel = ui.row(self.inputs.panel, main)
 
     def draw(self, view: View) -> None:
         """Draw all that the tab shows of a `view`."""
@@ -358,13 +330,13 @@ class TimeView(Tab):
         self.run.disabled, self.cancel.disabled = True, False
         self._progress.start("simulating")
         arguments = text, view.setup.name, view.setup.policies
-        self._runs.request(lambda: (text, run_job(run_policies, *arguments)))
+        self._runs.request(lambda: (text, run_job(time_run.run_policies, *arguments)))
 
     def cancel_run(self) -> None:
         """Drop the result of the running job."""
         self._runs.drop()
         self._end_run()
-        self.status.object = status_line("Canceled.")
+        self.status.object = ui.status_line("Canceled.")
 
     def _end_run(self) -> None:
         self._progress.stop()
@@ -375,7 +347,7 @@ class TimeView(Tab):
         self._end_run()
         self.fail(error)
 
-    def _show_result(self, outcome: tuple[str, SimulationResult]) -> None:
+    def _show_result(self, outcome: tuple[str, time_run.SimulationResult]) -> None:
         self._run_text, self.result = outcome
         self._end_run()
         labels = [run.policy for run in self.result.runs]
@@ -389,7 +361,7 @@ class TimeView(Tab):
             self._show_runs()
 
     @property
-    def drawn_run(self) -> PolicyResult:
+    def drawn_run(self) -> time_run.PolicyResult:
         """The run that is drawn."""
         assert self.result is not None  # else nothing is shown
         runs = {run.policy: run for run in self.result.runs}
@@ -416,7 +388,7 @@ class TimeView(Tab):
                 "width": [curve.width for curve in curves],
             }
             lines = [(html.escape(c.label), c.color, _CSS_DASHES[c.dash]) for c in curves]
-            legend.object = f"<b>{title}</b>{html_legend(lines)}"
+            legend.object = f"<b>{title}</b>{ui.html_legend(lines)}"
             chart.figure.yaxis[0].axis_label = f"[{unit}]"
             values = np.concatenate([curve.values for curve in curves])
             least = 0.0 if np.nanmin(values) < np.nanmax(values) else 1.0  # of a level curve
@@ -428,10 +400,12 @@ class TimeView(Tab):
             heads = [result.heads[i].removesuffix(" [-]") for i in shown]
             cells = [[html.escape(texts[i]) for i in shown] for texts in result.policy_rows]
             measure = _DRAWDOWN + (_DIP if "drawdown/D" in names else "")
-            self._table.object = html_table(heads, cells) + f'<p class="small note">{measure}</p>'
+            self._table.object = (
+                ui.html_table(heads, cells) + f'<p class="small note">{measure}</p>'
+            )
         self._show_frames()
 
-    def _show_notes(self, result: SimulationResult) -> None:
+    def _show_notes(self, result: time_run.SimulationResult) -> None:
         view = self.session.view
         moments, samples = len(result.runs[0].table["time"].values), len(result.runs[0].rows)
         lines = [f"The page has {samples} even samples of the run's {moments} times; CSV has all."]
@@ -440,16 +414,16 @@ class TimeView(Tab):
             text = f"<b>These are results of {name} before your changes: press Run.</b>"
             lines.insert(0, text)
         notes = dict.fromkeys(note for run in result.runs for note in run.notes)
-        lines += [text_html(note) for note in (*notes, *result.notes)]
+        lines += [ui.text_html(note) for note in (*notes, *result.notes)]
         doubts = (
             f'<p class="warning">{html.escape(_run_label(run))} can\'t be trusted:'
-            f" {text_html('; '.join(run.doubts))}.</p>"
+            f" {ui.text_html('; '.join(run.doubts))}.</p>"
             for run in result.runs
             if run.doubts
         )
-        self.notes.object = "".join(doubts) + status_line(" ".join(lines))
+        self.notes.object = "".join(doubts) + ui.status_line(" ".join(lines))
 
-    def _samples(self, name: str, run: PolicyResult | None = None) -> np.ndarray:
+    def _samples(self, name: str, run: time_run.PolicyResult | None = None) -> np.ndarray:
         """Values [SI] of a variable of a `run`, the drawn one by default, at its samples."""
         run = run or self.drawn_run
         return np.asarray(run.table[name].values)[run.rows]
@@ -514,7 +488,7 @@ class TimeView(Tab):
         frames, units = len(run.rows), drawing.states.shape[1]
         pressure_unit, pressure = self.unit("pressure")
         openings = self._openings()
-        fills = rigid_colors(colors)
+        fills = time_run.rigid_colors(colors)
         force, contraction, *_ = self._chart_curves(colors)
         numbers, columns = [], {}
         for (name, unit, curves), key in ((force, "force"), (contraction, "position")):
@@ -525,14 +499,14 @@ class TimeView(Tab):
                 columns["demand"] = curve_by_label["demand"].values
                 numbers.append(("demand", "demand", unit))
         has_line = "demand" in drawing.rigid_kinds
-        self._drawing_legend.object = status_line(_LEGEND + _DEMAND_LEGEND * has_line)
+        self._drawing_legend.object = ui.status_line(_LEGEND + _DEMAND_LEGEND * has_line)
         top = drawing.extent[3]
         fixed = {
             "muscles": drawing.muscles,
             "colors": cycle_colors(colors, units),
-            "alphas": ALPHAS,
-            "hatches": ["right_diagonal_line" if hatched else " " for hatched in HATCHED],
-            "states": STATES,
+            "alphas": time_run.ALPHAS,
+            "hatches": ["right_diagonal_line" if hatched else " " for hatched in time_run.HATCHED],
+            "states": time_run.STATES,
             "fixed": [
                 [polygon[:, 0].tolist(), polygon[:, 1].tolist()] for polygon in drawing.fixed
             ],
@@ -594,6 +568,6 @@ def _curves(rows: Iterable[np.ndarray], styles: Iterable[tuple[Any, ...]]) -> li
     return [Curve(values, *style) for values, style in zip(rows, styles, strict=True)]
 
 
-def _run_label(run: PolicyResult) -> str:
+def _run_label(run: time_run.PolicyResult) -> str:
     """Label of a run: its policy, or "reached" for a schedule."""
     return run.policy or "reached"

@@ -8,8 +8,8 @@ import asyncio
 import html
 import io
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -93,12 +93,12 @@ def _layout(kind: str, options: dict[str, Any]) -> dict[str, Any]:
     return {"css_classes": kind.split()} | defaults | options
 
 
-def fold(title: str, *parts: Any, **options: Any) -> Any:
-    """A button with a `title` that shows and hides the `parts` below it."""
+def fold(title: str, *parts: Any) -> Any:
+    """A column of a button with a `title`, and of the `parts` that it shows and hides."""
     content = column(*parts, visible=False)
     toggle = widget(pn.widgets.Toggle, title, margin=(4, 8), sizing_mode=None)
     toggle.link(content, value="visible")
-    return column(toggle, content, **options)
+    return column(toggle, content)
 
 
 def pane(text: str = "", margin: Any = (0, 8), **options: Any) -> Any:
@@ -106,9 +106,9 @@ def pane(text: str = "", margin: Any = (0, 8), **options: Any) -> Any:
     return pn.pane.HTML(text, margin=margin, **{"stylesheets": [LAYOUT_CSS]} | options)
 
 
-def height_css(height: str) -> str:
-    """Style sheet of a figure of a `height` in CSS, whatever holds it."""
-    return f":host {{ height: {height} !important; flex: 0 0 auto !important; }}"
+def wide_pane(text: str = "", **options: Any) -> Any:
+    """A pane of HTML as wide as there is room."""
+    return pane(text, sizing_mode="stretch_width", **options)
 
 
 # quantities
@@ -131,19 +131,16 @@ def format_quantity(value: float, unit: str, dimension: str, digits: int = 6) ->
 
 def volume_unit(length_unit: str) -> tuple[str, float]:
     """Unit of a volume beside lengths in a `length_unit`, and its value [m³]."""
-    if length_unit == "in":
-        return "in³", unit_factor("in", "length") ** 3
-    return "cm³", 1e-6
+    return ("in³", unit_factor("in", "length") ** 3) if length_unit == "in" else ("cm³", 1e-6)
 
 
 def parse_field(text: str, dimension: str, unit: str, name: str) -> float:
     """Quantity [SI] in the `text` of a field; a bare number is in the field's `unit`."""
-    bare = text.strip()
-    try:
-        float(bare)
-    except ValueError:
-        return parse(bare, dimension, name)
-    return parse(f"{bare} {unit}".strip(), dimension, name)
+    text = text.strip()
+    with suppress(ValueError):
+        float(text)
+        text = f"{text} {unit}".strip()
+    return parse(text, dimension, name)
 
 
 # errors
@@ -153,9 +150,8 @@ def page_message(error: ValueError | str, **labels: str) -> str:
     """A message of the library in one line, with the page's label for its argument."""
     line = str(error)
     if isinstance(error, InvalidInputError):
-        names = _LABELS | labels
         default = error.argument.replace("_", " ").capitalize()
-        line = error.line(names.get(error.argument, default))
+        line = error.line((_LABELS | labels).get(error.argument, default))
     return sanitize_line(line)
 
 
@@ -163,12 +159,7 @@ class Message:
     """A line for an error, visible while there is one."""
 
     def __init__(self) -> None:
-        self.pane = pane(
-            margin=(0, 8, 4, 8),
-            sizing_mode="stretch_width",
-            visible=False,
-            css_classes=["whole-row"],
-        )
+        self.pane = wide_pane(margin=(0, 8, 4, 8), visible=False, css_classes=["whole-row"])
 
     @property
     def text(self) -> str:
@@ -182,13 +173,13 @@ class Message:
         self.pane.param.update(object=line, visible=bool(text))
 
     @contextmanager
-    def errors(self, **labels: str) -> Iterator[None]:
-        """Show a `ValueError` of the block as `show` does, or nothing where there is none."""
+    def errors(self) -> Iterator[None]:
+        """Show a `ValueError` of the block, or nothing where there is none."""
         try:
             yield
             self.show("")
         except ValueError as error:
-            self.show(error, **labels)
+            self.show(error)
 
 
 # widgets
@@ -200,9 +191,8 @@ def widget(
     on_change: Callable[[Any], object] | None = None,
     **options: Any,
 ) -> Any:
-    """A Panel widget of a `kind` in the page's style, as wide as there is room.
-
-    `on_change` is called with its new value.
+    """A Panel widget of a `kind` in the page's style, as wide as there is room; `on_change` is
+    called with its new value.
     """
     defaults = {"sizing_mode": None if "width" in options else "stretch_width", "margin": (2, 8)}
     result = kind(label=label, stylesheets=[WIDGET_CSS], **defaults | options)
@@ -213,12 +203,12 @@ def widget(
 
 def dropdown(
     label: str,
-    options: Mapping[str, str] | Iterable[str],
+    options: dict[str, str] | Sequence[str],
     on_change: Callable[[str], object] | None = None,
     **more: Any,
 ) -> Any:
-    """A drop-down list of `options`, by label where it is a mapping."""
-    choices = dict(options) if isinstance(options, Mapping) else list(options)
+    """A drop-down list of `options`, by label where it is a dictionary."""
+    choices = options if isinstance(options, dict) else list(options)
     return widget(pn.widgets.Select, label, on_change, options=choices, **more)
 
 
@@ -262,13 +252,11 @@ def button(label: str, on_click: Callable[[], object] | None, **options: Any) ->
 def download_button(
     label: str, content: Callable[[], tuple[str, bytes]], message: Message, **options: Any
 ) -> Any:
-    """Button that downloads a file, whose name and bytes `content` gives when it is pressed.
-
-    If there is no file, `message` says why.
+    """Button that downloads a file, whose name and bytes `content` gives when it is pressed; if
+    there is no file, `message` says why.
     """
 
     def make_file() -> io.BytesIO:
-        """Content of the file; also sets the button's filename."""
         try:
             result.filename, raw = content()
         except ValueError as error:
@@ -283,7 +271,9 @@ def download_button(
 
 
 class Field:
-    """A text field of a quantity with its unit; errors appear below it."""
+    """A text field of the argument `name`, a quantity with its unit; a `ValueError` of `set_value`
+    appears below it. An `optional` one may be empty, for `None`.
+    """
 
     def __init__(
         self,
@@ -294,10 +284,6 @@ class Field:
         optional: bool = False,
         **options: Any,
     ):
-        """Field of an argument's `name`; a `ValueError` of `set_value` appears below it.
-
-        An `optional` one may be empty, for `None`.
-        """
         self.label, self.name, self._dimension, self._set = label, name, dimension, set_value
         self._optional, self._unit, self._text = optional, "", ""
         self.input = widget(pn.widgets.TextInput, label, self._on_input, **options)
@@ -306,13 +292,12 @@ class Field:
 
     def show(self, value: float | None, unit: str) -> None:
         """Show a `value` [SI] in a `unit`, or none."""
-        text = "" if value is None else format_quantity(value, unit, self._dimension, 5)
-        self._unit, self._text = unit, text
+        self._unit = unit
+        self._text = "" if value is None else format_quantity(value, unit, self._dimension, 5)
         self.input.value = self._text
         self._clear()
 
     def _clear(self) -> None:
-        """Take back the error, if there is one."""
         self.message.show("")
         self.input.stylesheets = [WIDGET_CSS]
 
@@ -347,23 +332,10 @@ class QuantitySlider:
     def __init__(self, label: str, name: str, dimension: str, set_value: Callable[[float], object]):
         self._label, self._dimension, self._set = label, dimension, set_value
         self._unit, self._top, self._updating = "", 1.0, False
-        options = {
-            "start": 0,
-            "end": 1,
-            "step": 0.01,
-            "show_value": False,
-            "margin": (4, 14, 4, 12),
-        }
-        self.slider = widget(_StepSlider, label, self._on_slider, **options)
-        self.field = Field(
-            f"{label}, typed",
-            name,
-            dimension,
-            self._on_field,
-            width=106,
-            margin=(8, 8, 0, 8),
-            css_classes=["hidden-label"],
-        )
+        style = {"step": 0.01, "show_value": False, "margin": (4, 14, 4, 12)}
+        self.slider = widget(_StepSlider, label, self._on_slider, start=0, end=1, **style)
+        style = {"width": 106, "margin": (8, 8, 0, 8), "css_classes": ["hidden-label"]}
+        self.field = Field(f"{label}, typed", name, dimension, self._on_field, **style)
         self.field.label = label
         inputs = row(self.slider, self.field.input, kind="")
         self.panel = column(inputs, self.field.message.pane, kind="whole-row")
@@ -373,8 +345,7 @@ class QuantitySlider:
         scale, step = unit_factor(unit, self._dimension), _STEPS.get(unit, _STRAIN_STEP)
         end = float(f"{top / scale:.9g}")  # no step further than the top
         self._updating, self._unit, self._top = True, unit, top
-        label = f"{self._label} [{unit or '–'}]"
-        self.slider.param.update(label=label, end=end, step=step)
+        self.slider.param.update(label=f"{self._label} [{unit or '–'}]", end=end, step=step)
         position = value / scale
         if abs(self.slider.value - position) > step / 2:
             self.slider.value = float(np.clip(position, 0, end))
@@ -393,11 +364,11 @@ class QuantitySlider:
             self.field.show_error(error)
 
     def _on_field(self, value: float) -> None:
-        scale = unit_factor(self._unit, self._dimension)
         if not 0 <= value <= self._top * (1 + 1e-6):  # typed with six digits, it may round up
-            rule = f"must lie in [0, {self._top / scale:.6g}] {self._unit or '-'}"
-            value_text = f"{value / scale:.6g} {self._unit}".strip()
-            raise InvalidInputError(self.field.name, rule, value, shown=value_text)
+            top = self._top / unit_factor(self._unit, self._dimension)
+            rule = f"must lie in [0, {top:.6g}] {self._unit or '-'}"
+            text = format_quantity(value, self._unit, self._dimension)
+            raise InvalidInputError(self.field.name, rule, value, shown=text)
         self._set(min(value, self._top))
 
 

@@ -109,7 +109,7 @@ def test_each_alternative_is_another_law(key):
 
 
 def test_the_bundles_curves_are_the_laws():
-    state = bundle_curves.bundle_state(VIEW.bundle, (3e5, 7e4), 0.3, True)
+    state = bundle_curves.bundle_state(replace(VIEW, pressures=(3e5, 7e4)), 0.3)
     force = VIEW.bundle.force([3e5, 7e4], state.strain)
     np.testing.assert_allclose(state.force, force, rtol=1e-9, atol=1e-9)
     assert state.equilibria[0] == pytest.approx(float(VIEW.bundle.free_strain([3e5, 7e4])))
