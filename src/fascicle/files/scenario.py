@@ -127,17 +127,19 @@ def load_scenario(path: str | os.PathLike[str]) -> Scenario:
 
 
 def loads_scenario(
-    text: str, source: str = "<text>", folder: Path = Path(), name: str = ""
+    text: str, source: str = "<text>", folder: Path | None = None, name: str = ""
 ) -> Scenario:
     """Read a scenario from the `text` of a file; raises as `load`.
 
-    `source`: its name in errors; `folder`: of the files that it names; `name`: of a scenario that
-    has none in the file, default: `source`.
+    `source`: its name in errors; `folder`: of the files that it names, by default it may name
+    none; `name`: of a scenario that has none in the file, default: `source`.
     """
     return scenario_from_dict(parse_file(text, source), source, folder, name or source)
 
 
-def scenario_from_dict(data: dict[str, Any], source: str, folder: Path, name: str) -> Scenario:
+def scenario_from_dict(
+    data: dict[str, Any], source: str, folder: Path | None, name: str
+) -> Scenario:
     """The scenario in a file's tables; arguments as for `loads_scenario`."""
     check_kind(data, "scenario", source)
     root = FileLocation(source, data, kind="scenario")
@@ -205,7 +207,7 @@ def _first_pressures(plant: Plant, control: ScenarioControl | None) -> Any:
 
 
 def _with_measured_friction(
-    data: dict[str, Any], root: FileLocation, folder: Path
+    data: dict[str, Any], root: FileLocation, folder: Path | None
 ) -> dict[str, Any]:
     """A scenario's tables, with a calibration's springs in place of `kind = "measured"`, for each
     of its muscles; without `[hysteresis]` if the calibration found none.
@@ -217,7 +219,7 @@ def _with_measured_friction(
         if key not in ("kind", "muscle"):
             raise root.error(("hysteresis", key), "measured: the file of the muscle has it.")
     name = table.get("muscle", data.get("bundle"))
-    if not isinstance(name, str) or not (folder / name).is_file():
+    if not isinstance(name, str) or folder is None or not (folder / name).is_file():
         rule = 'must name the calibrated muscle\'s file: write muscle = "muscle.toml".'
         raise root.error(("hysteresis", "muscle"), rule)
     springs = root.child("hysteresis").call(provenance, folder / name).get("hysteresis")
@@ -244,7 +246,9 @@ def _check_list_lengths(
                 raise root.error((name, key), f"{rule}, got {len(value)}.")
 
 
-def _bundles(data: dict[str, Any], source: str, root: FileLocation, folder: Path) -> list[Bundle]:
+def _bundles(
+    data: dict[str, Any], source: str, root: FileLocation, folder: Path | None
+) -> list[Bundle]:
     names: Any = data.get("bundle")
     if "muscle" in data:
         if not isinstance(names, dict | None):
@@ -256,7 +260,9 @@ def _bundles(data: dict[str, Any], source: str, root: FileLocation, folder: Path
     return _named_bundles(names, root.child("bundle"), rule, folder)
 
 
-def _named_bundles(names: Any, location: FileLocation, rule: str, folder: Path) -> list[Bundle]:
+def _named_bundles(
+    names: Any, location: FileLocation, rule: str, folder: Path | None
+) -> list[Bundle]:
     """Bundles by names of examples or files; `rule`: of an error, if they aren't names."""
     names = list(names) if isinstance(names, list) else [names]
     if not names or not all(isinstance(name, str) for name in names):
@@ -266,7 +272,7 @@ def _named_bundles(names: Any, location: FileLocation, rule: str, folder: Path) 
 
 
 def _model_bundles(
-    names: Any, bundles: list[Bundle], root: FileLocation, folder: Path
+    names: Any, bundles: list[Bundle], root: FileLocation, folder: Path | None
 ) -> list[Bundle]:
     """The bundles that a controller takes for its scenario's."""
     location = root.child("control", kind="part").child("model")

@@ -145,7 +145,7 @@ def write_netcdf(data: "xarray.Dataset", path: Path) -> None:
         data.to_netcdf(path, engine="netcdf4")
     # netCDF4's own, for any failure of the system; a full disk is also "Permission denied"
     except (RuntimeError, PermissionError) as error:
-        raise OSError(errno.EIO, f"{error}; is the disk full?") from None
+        raise OSError(errno.EIO, f"no space left on the disk, or {error}") from None
 
 
 def check_result_path(path: str | os.PathLike[str]) -> Path:

@@ -245,3 +245,14 @@ def test_a_file_is_opened_and_refused(tab):
         tab.session.view.setup.with_value("run.duration", 1.0)
     name, raw = tab.inputs._scenario_file()
     assert name != "mine.toml" and raw.decode() == example_text("lift_oil")
+
+
+@pytest.mark.parametrize(
+    "table", ['[control]\nmodel = "/etc/passwd"', "[control]\nmodel = 'm.toml'"]
+)
+def test_a_visitors_scenario_reads_no_file_of_the_server(table, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "m.toml").write_text(example_text("kim2021_bundle_1_4"))
+    text = example_text("ramp_1_4").replace("[control]", table)
+    with pytest.raises(ValueError, match="no named example"):
+        loads_scenario(text, "visitor.toml")
