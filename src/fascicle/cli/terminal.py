@@ -1,4 +1,4 @@
-"""What commands print: lines, tables for readers, numbers, and progress."""
+"""Output of commands: lines, tables for readers, numbers, and progress."""
 
 import contextlib
 import math

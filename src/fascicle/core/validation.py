@@ -236,7 +236,7 @@ def check_gauge_pressure(value: Values, name: str = "pressure") -> Batch:
         pressure = check_interval(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
     except InvalidInputError as error:
         if isinstance(error.value, float) and error.value > HIGHEST_PRESSURE:
-            text = f"{_number_text(error.value)} Pa"
+            text = f"{distinct_texts(error.value, HIGHEST_PRESSURE)[0]} Pa"
             raise InvalidInputError(name, error.rule, error.value, _HYDRAULIC, text) from None
         raise
     highest = np.max(np.asarray(pressure), initial=0.0) if is_concrete(pressure) else 0.0

@@ -96,7 +96,7 @@ class Spread:
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """What is drawn at random, and the share of draws that must hold: `scatter` of fabrication and
+    """Random draws of designs, and the share of them that must hold: `scatter` of fabrication and
     the model's error; number of `draws`; `muscles`: draws of a calibrated muscle, on the first axis
     of its numbers, or `None`; `share` of the draws that must meet the task and all limits [-];
     `basis` of the model's error, in words.

@@ -24,7 +24,7 @@ from .bundle_curves import BundleState, BundleWorkspace, FreeStrainCurve, Recrui
 from .chart import Chart, cycle_colors, hover_tooltips, padded_range
 from .remarks import equilibria_text, remarks_html, words_html
 from .solid import Scene
-from .state import Session, Unit, View, changed, check_units, scaled_muscle
+from .state import SIZES, Session, Unit, View, changed, check_units, scaled_muscle
 from .tab import Export, LatestResult, StrainTab
 
 
@@ -108,12 +108,19 @@ class UnitRows:
             self._set_unit(i, replace(self._session.view.units[i], count=count))
 
     def _set_radius(self, i: int, radius: float) -> None:
-        """Set the radius [m] of the muscles of unit `i`; `ValueError` where it is impossible."""
+        """Set the radius [m] of the muscles of unit `i`; `ValueError` beyond `SIZES`."""
         view = self._session.view
         unit = view.units[i]
         base = view.muscle if unit.own is None else unit.own
         size = radius / float(base.outer_radius)
-        check_units((replace(unit, size=size),))
+        if not SIZES[0] <= size <= SIZES[1]:
+            limits = (ratio * float(base.outer_radius) for ratio in SIZES)
+            unit_name = view.display_units["length"]
+            low, high, text = (
+                ui.format_quantity(x, unit_name, "length") for x in (*limits, radius)
+            )
+            rule = f"must be {low} to {high}, a tenth to ten times the muscle's"
+            raise InvalidInputError("radius", rule, radius, shown=text)
         own = None if unit.own is None else scaled_muscle(unit.own, size)
         self._set_unit(i, replace(unit, size=size if own is None else unit.size, own=own))
 

@@ -269,7 +269,7 @@ def _needed_pull(route: Route, demand: np.ndarray, tendon: str) -> np.ndarray:
 
 
 def _remedy(trials: list[SizeTrial], margin: float, pressure: float) -> str:
-    """What would help where no trial has the margin."""
+    """Remedy where no trial has the margin."""
     best = max(trials, key=lambda x: x.margin, default=None)
     if best is None or best.margin <= -1.0:
         return (

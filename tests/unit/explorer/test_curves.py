@@ -212,3 +212,12 @@ def test_the_maps_of_efficiency_are_shown_when_they_are_asked_for():
     assert all(picture.object.startswith(b"\x89PNG") for picture in tab.efficiency.pictures)
     tab.session.change(scheme="free")
     assert tab.efficiency._message.text and tab.efficiency.pictures[0].object is None
+
+
+def test_a_radius_out_of_range_is_refused_in_the_units_shown():
+    tab = BundleView(Session(replace(VIEW, tab="bundle")), LIGHT)
+    tab.refresh()
+    radius = tab.units.rows[1].radius
+    radius.input.value = "200 mm"
+    assert "0.635 mm to 63.5 mm" in radius.message.text and "200 mm" in radius.message.text
+    assert tab.session.view == replace(VIEW, tab="bundle")

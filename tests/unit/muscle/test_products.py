@@ -94,10 +94,11 @@ def test_moduli_per_length_become_those_of_the_stretch():
     assert law.modulus_3 == pytest.approx(0.25**3 * moduli[3], rel=1e-15)
 
 
-@pytest.mark.parametrize("pressure", [2e6, "5 MPa", [1e5, 2e6]])
+@pytest.mark.parametrize("pressure", [2e6, "5 MPa", [1e5, 2e6], np.nextafter(1e6, 2e6)])
 def test_a_hydraulic_pressure_names_a_remedy(pressure):
     with pytest.raises(fs.InvalidInputError) as raised:
         fs.example("kim2021_figure_6").force(pressure, 0.1)
     assert raised.value.argument == "pressure"
     assert raised.value.value > 1e6
+    assert "got 1e6 Pa" not in str(raised.value)  # its digits tell it from the limit
     assert raised.value.remedy
