@@ -8,8 +8,11 @@ $$P = \sum_k c_k s^k, \qquad s = u - \tau_v \left(1 - e^{-u/\tau_v}\right), \qqu
   u = \max(t - t_0 - \theta, 0). \tag{K7}$$
 
 A record tells delay and lag apart only if it has enough samples while the spool moves, and little
-noise. The polynomial has the highest degree with which both standard errors are within 10 % of the
-sum of delay and lag. One degree less has to give the same within 10 %; else the record is refused.
+noise. The polynomial has the highest degree with which both are known to 10 % of their sum: twice
+the standard error, for 95 %. One degree less has to give the same within 10 %; else the record is
+refused. Residuals of a curve that the polynomial misses are alike from sample to sample. So many
+count as fewer, $n (1 - \rho)/(1 + \rho)$ with their autocorrelation $\rho$ (Bayley and Hammersley,
+1946), and the standard errors grow.
 
 The pressure loop (K3) is an integrator with that lag and delay,
 
@@ -37,6 +40,7 @@ _LEAST = 10  # samples after the step: more than the six numbers that are fitted
 _DEGREES = (2, 3, 4)  # of the polynomial: 5 follows a kink of the chamber as if it were a lag
 _SHARE = 0.8  # of the pressure's change: nearer its end the flow vanishes like a square root
 _UNSURE = 0.1  # of delay and lag together: margins of a loop change by as much
+_TWO_SIDED = 2.0  # standard errors, within which 95 % of estimates lie
 # of the record: first guesses, closer where a valve's times usually are
 _GUESSES = (0.005, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55)
 
@@ -103,7 +107,7 @@ def identify(time: Values, command: Values, pressure: Values) -> StepResponse:
     end = max(int(np.argmax(change >= _SHARE * change.max())) + 1, first + _LEAST)
     fits = [_fit(t[:end] - t[first], P[:end], degree) for degree in _DEGREES]
     # the highest degree that noise permits, and the one below
-    errors = [max(fit.delay_error, fit.lag_error) for fit in fits]
+    errors = [_TWO_SIDED * max(fit.delay_error, fit.lag_error) for fit in fits]
     certain = [e <= _UNSURE * fit.lateness for e, fit in zip(errors, fits, strict=True)]
     last = max(1, len(fits) - 1 - int(np.argmax(certain[::-1])))
     best, other = fits[last], fits[last - 1]
@@ -135,6 +139,8 @@ def _fit(elapsed: np.ndarray, pressure: np.ndarray, degree: int) -> StepResponse
     guess = min(guesses, key=lambda values: float(np.sum(residuals(values) ** 2)))
     fit = least_squares(residuals, guess, bounds=(0.0, 1.0), x_scale=0.05, diff_step=1e-3)
     variance = 2 * fit.cost / max(len(elapsed) - degree - 3, 1)
+    alike = max(float(fit.fun[1:] @ fit.fun[:-1] / max(fit.fun @ fit.fun, 1e-300)), 0.0)
+    variance *= (1 + alike) / (1 - alike)
     covariance = variance * np.linalg.pinv(fit.jac.T @ fit.jac)
     errors = span * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     # a flat row has no slope, whose inverse would claim certainty

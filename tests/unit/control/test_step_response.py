@@ -73,10 +73,11 @@ def test_a_plants_valve_is_identified_or_refused(step, begin, command):
             except InvalidInputError:
                 refused += 1
                 continue
-            # of 30 ms together: a polynomial misses the flow of a valve near the supply by some
-            assert max(abs(found.delay - 15e-3), abs(found.lag - 15e-3)) < 0.2 * 30e-3
-            assert max(found.delay_error, found.lag_error) < 3e-3
-    assert begin == 0.0 or refused <= 4
+            # of 30 ms together; noise may take one in twenty past what is promised
+            assert max(abs(found.delay - 15e-3), abs(found.lag - 15e-3)) < 0.1 * 30e-3
+            assert max(found.delay_error, found.lag_error) < 1.5e-3
+    # a buckled muscle's volume jumps on the way from zero, and no smooth curve follows it
+    assert refused == 6 if begin == 0.0 else refused <= 4
 
 
 def test_margins_are_those_of_a_frequency_sweep(pair):
