@@ -65,3 +65,38 @@ def test_a_prescribed_motion_has_no_state_and_a_spool_without_lag_none(bundle, a
         with pytest.raises(fs.InvalidInputError) as error:
             plant.linearize(state, inputs)
         assert error.value.argument == "inputs"
+
+
+def test_a_joint_swings_at_the_frequency_of_its_springs_of_gas():
+    # a theory apart: ideal muscles, F = -P dV/dL, on a pulley, each shut with its mass of gas
+    arm, inertia, room, spare, length, radius, angle = 0.03, 2e-3, 101325.0, 5e-6, 0.2, 8e-3, 0.45
+    contraction, bias, wall = 0.02, 2e5, 1e-4
+    rubber = np.pi * (radius**2 - (radius - wall) ** 2) * length
+
+    def volume(x):
+        """Of the gas in a cylinder of the braid, shortened by x [m³]."""
+        inside = 1 - (1 - x / length) ** 2 * np.cos(angle) ** 2
+        return np.pi * radius**2 / np.sin(angle) ** 2 * inside * (length - x) - rubber
+
+    def torque(q):
+        """Of both, with (P + room) (V + spare) constant [N·m]."""
+        total = 0.0
+        for sign in (1, -1):
+            x, h = contraction + sign * arm * q, 1e-6
+            absolute = (bias + room) * (volume(contraction) + spare) / (volume(x) + spare)
+            total += sign * arm * (absolute - room) * (volume(x + h) - volume(x - h)) / (2 * h)
+        return total
+
+    stiffness = -(torque(1e-4) - torque(-1e-4)) / 2e-4
+    muscle = fs.Muscle(length, radius, wall, angle, tension="ideal")
+    load = dynamics.AntagonisticJoint(inertia, arm, contraction=contraction)
+    parts = (
+        fluid.ConstantSupply(5e5),
+        fluid.Isothermal(dead_volume=spare),
+        fluid.SonicValve(1e-9, 0.3),
+    )
+    plant = dynamics.Plant([fs.Bundle([fs.MotorUnit(muscle)])] * 2, load, *parts, law="exact")
+    model = plant.linearize(dynamics.equilibrium_state(plant, bias))
+    swing = np.max(np.abs(np.linalg.eigvals(model.A).imag))
+    # the theory's slope by differences over 1e-4 rad
+    assert_allclose(swing, np.sqrt(stiffness / inertia), rtol=1e-6)
