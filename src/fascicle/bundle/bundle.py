@@ -56,13 +56,12 @@ from .equilibria import (
 )
 from .inverse import recruit
 from .pressurized import check_plate_strain, plate_distance, pressurize, stack_muscles
-from .printing import bundle_line, bundle_table, unit_line, unit_table
+from .printing import bundle_line, bundle_table
 from .recruitment import workspace
 from .reversal import reversal
 from .schemes import AbstractScheme, scheme_of
 
 
-@with_table_repr(unit_table, unit_line)
 class MotorUnit(Module):
     """Equal muscles at one pressure, the smallest part that is activated: a `muscle` and the
     `count` of them [-], a whole number ≥ 1.
@@ -96,17 +95,13 @@ class Bundle(Module):
         scheme: AbstractScheme | str = "orderly",
         length: Values = None,
     ):
-        """**Arguments:**
+        """`motor_units` in the order of recruitment, the supply's gauge pressure [Pa] if known, and
+        one of `fascicle.schemes`, by name or as an object.
 
-        - `motor_units`: in the order of recruitment, at least one.
-        - `supply_pressure`: the supply's gauge pressure [Pa], if known.
-        - `scheme`: one of `fascicle.schemes`, by name or as an object.
-        - `length`: distance between the plates at rest [m]; by default the muscles' length,
-          which must then be the same for all. The field `plate_distance` is `None` if all muscles
-          are as long as that.
-
-        **Raises:** `ValueError` for no units, an unknown scheme, unequal lengths without a
-        distance between the plates, and lengths that no plates can hold.
+        `length`: distance between the plates at rest [m]; by default the muscles' length, which
+        must then be the same for all. The field `plate_distance` is `None` if all muscles are as
+        long as that. `ValueError` for no units, an unknown scheme, unequal lengths without a
+        `length`, and lengths that no plates can hold.
         """
         units, supply = tuple(motor_units), supply_pressure
         if not units:
@@ -271,7 +266,7 @@ class Bundle(Module):
         return broadcast_shape(**shapes)
 
     def _find_equilibria(self, pressures: PerUnit, **force: Numbers) -> Equilibria:
-        """Equilibria at `pressures` [Pa] under a `force` [N], by NumPy; derivatives by JAX."""
+        """Equilibria at `pressures` [Pa] under a `force` [N], searched for by NumPy."""
         shape = self._check_shapes(pressures, **force)
         arrays = (self, pressures, *force.values())
         if array_namespace(*tree_leaves(arrays)) is np:

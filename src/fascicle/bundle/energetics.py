@@ -28,7 +28,7 @@ which is exact wherever the muscle pulls: its force and work are linear in press
 """
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -37,17 +37,10 @@ import numpy as np
 from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Float, Int, Numbers, PerUnit, Values
-from ..core.validation import (
-    check_choice,
-    check_finite,
-    check_gauge_pressure,
-    check_positive,
-)
+from ..core.validation import check_choice, check_finite, check_gauge_pressure, check_positive
 from ..muscle.coenergy import contraction_work, integrate_force
 from ..muscle.piecewise import PressurizedMuscle
-from ..repr_table import with_table_repr
 from .pressurized import pressurize, unit_volume_change
-from .printing import efficiency_table
 from .recruitment import unit_tables
 from .schemes import AbstractScheme
 from .states import resolve_scheme, resolve_supply_pressure, states_of
@@ -126,7 +119,6 @@ def unit_work_along(
     return np.moveaxis(np.asarray(works), 0, 1)
 
 
-@with_table_repr(efficiency_table)
 @dataclass(frozen=True)
 class EfficiencyMap:
     """Efficiency of a bundle over `force` [N] (rows) and `strain` [-] (columns).
@@ -136,10 +128,10 @@ class EfficiencyMap:
     """
 
     path: str
-    force: Float[np.ndarray, " force"]
-    strain: Float[np.ndarray, " strain"]
+    force: Float[np.ndarray, " force"] = field(repr=False)
+    strain: Float[np.ndarray, " strain"] = field(repr=False)
     efficiency: Grid
-    state: Int[np.ndarray, "force strain"]
+    state: Int[np.ndarray, "force strain"] = field(repr=False)
 
     @property
     def average(self) -> float:

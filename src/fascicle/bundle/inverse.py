@@ -29,7 +29,7 @@ from ..core.validation import (
 from ..repr_table import with_table_repr
 from .force_curves import ROOT_TOLERANCE, Array, Roots, StateCurves, find_roots, run_starts
 from .pressurized import unit_volume_change
-from .printing import recruitment_table, solutions_table
+from .printing import recruitment_table
 from .schemes import AbstractScheme
 from .states import States, resolve_scheme, resolve_supply_pressure, states_of
 
@@ -43,7 +43,6 @@ CLOSE = 1e-9  # of 1 N and the force: `ROOT_TOLERANCE` of a unit, and the roundi
 _UNREACHABLE = 1e3  # times the forces at both ends: no muscle gives as much
 
 
-@with_table_repr(solutions_table)
 class Solutions(NamedTuple):
     """All pressures that give a demanded force, by state and pressure on the last axis.
 
@@ -89,23 +88,18 @@ def recruit(
 ) -> RecruitmentResult:
     """State and pressures that give a force at a strain, equation (B9).
 
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `force`: the demanded pulling force [N].
-    - `strain`: the bundle's contraction [-]; broadcasts against `force`.
-    - `supply`: the supply's pressure [Pa], one for all; by default the bundle's own.
-    - `scheme`: one of `fascicle.schemes`, by name or as an object; by default the bundle's own.
+    - `force`: the demanded pulling force [N]; `strain`: the bundle's contraction [-]; they
+      broadcast.
+    - `supply`: the supply's pressure [Pa], one for all, and `scheme`: one of `fascicle.schemes`, by
+      name or as an object; by default the bundle's own.
     - `prefer`: of several solutions, "efficiency" for the one that takes least fluid, or
-      "nearest" for the one whose pressures are nearest to `present`.
-    - `present`: the present pressures [Pa], units on the last axis; the rest broadcasts.
+      "nearest" for the one whose pressures are nearest to the `present` ones [Pa], units on the
+      last axis.
     - `resistance`: units past their own free strain push back.
 
-    **Returns:** `RecruitmentResult`: pressures [Pa], state, force [N], status and all solutions.
-    If the demanded force can't be reached, the nearest that can, and a status.
-
-    **Raises:** `ValueError` for values off the domain, unknown names, no supply pressure,
-    "nearest" without `present`, and arrays that JAX traces: the search is NumPy's alone.
+    For a demand out of reach the result is that of the nearest force, with a status. `ValueError`
+    for values off the domain, unknown names, no supply pressure, "nearest" without `present`, and
+    arrays that JAX traces: the search is NumPy's alone.
     """
     scheme = resolve_scheme(bundle, scheme)
     nearest = check_choice(prefer, PREFERENCES, "prefer") == "nearest"

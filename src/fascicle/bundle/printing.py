@@ -1,21 +1,17 @@
-"""Tables that print for bundles and their results: units, pressures and strains."""
+"""Tables that print for bundles, their equilibria and recruitment."""
 
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..muscle.laws import LAWS, is_written_out
-from ..muscle.printing import SIZES, law_text, material_text, muscle_table, range_text, tuning_text
+from ..muscle.printing import SIZES, law_text, material_text, range_text, tuning_text
 from ..repr_table import ReprTable, format_number, format_range, title_with_shape
-from ..units import exact, pretty
+from ..units import exact
 
 
-_ROUNDING = 1e-9  # of a force: the free strain's own is zero but for that
-_MAX_NAMES = 8  # demands that a line names
 # texts of a recruitment's status 0, 1 and 2
 _STATUS = ("reached", "above what is reachable", "below what is reachable")
-_format_pressure = partial(pretty, dimension="pressure")
 
 
 def bundle_table(bundle: Any) -> ReprTable:
@@ -23,20 +19,22 @@ def bundle_table(bundle: Any) -> ReprTable:
     units, supply = bundle.motor_units, "not given"
     if bundle.supply_pressure is not None:
         supply = range_text(bundle, "supply_pressure", "pressure")
-    facts = [
-        ("length", range_text(bundle, "length", "length")),
-        ("supply pressure", supply),
-        ("scheme", bundle.scheme.name),
-    ]
     texts = {
         "material": lambda muscle: material_text(muscle.material),
         "laws": _laws_text,
         "tuning": lambda muscle: tuning_text(muscle.tuning),
     }
-    for name, text in texts.items():
-        facts.append((name, "; ".join(dict.fromkeys(text(unit.muscle) for unit in units))))
+    facts = [
+        ("length", range_text(bundle, "length", "length")),
+        ("supply pressure", supply),
+        ("scheme", bundle.scheme.name),
+        *(
+            (name, "; ".join(dict.fromkeys(text(unit.muscle) for unit in units)))
+            for name, text in texts.items()
+        ),
+    ]
     rows = [
-        [str(number), _format_count(unit)]
+        [str(number), format_range(unit.count, "{:.0f}".format)]
         + [range_text(unit.muscle, size, dimension) for size, dimension in SIZES.items()]
         for number, unit in enumerate(units, start=1)
     ]
@@ -54,17 +52,6 @@ def bundle_line(bundle: Any) -> str:
     if bundle.plate_distance is not None and np.ndim(bundle.plate_distance) == 0:
         texts.append(f"length={exact(float(bundle.plate_distance), 'length')!r}")
     return f"Bundle({', '.join(texts)})"
-
-
-def unit_line(unit: Any) -> str:
-    """Python expression of a motor unit."""
-    return f"MotorUnit({unit.muscle!r}, count={np.asarray(unit.count).tolist()!r})"
-
-
-def unit_table(unit: Any) -> ReprTable:
-    """Muscle of a motor unit, and their number."""
-    title = f"Motor unit of {_format_count(unit)} × the muscle"
-    return muscle_table(unit.muscle)._replace(title=title)
 
 
 def equilibria_table(equilibria: Any) -> ReprTable:
@@ -101,78 +88,6 @@ def recruitment_table(result: Any) -> ReprTable:
     if np.any(np.asarray(result.count) > 1):
         notes.append("of several solutions the first; `.solutions` holds all of them")
     return ReprTable(title_with_shape("Recruitment", result.force), (), heads, rows, notes)
-
-
-def solutions_table(solutions: Any) -> ReprTable:
-    """All throttled pressures and states, a row for each solution."""
-    columns = [np.reshape(x, (-1, np.shape(solutions.pressure)[-1])) for x in solutions]
-    rows = [
-        [str(number), str(state), format_number(pressure / 1e3), "yes" if stable else "no"]
-        for number, values in enumerate(zip(*columns, strict=True), start=1)
-        for pressure, state, stable in zip(*values, strict=True)
-        if state
-    ]
-    notes, unreached = [], np.flatnonzero(~np.any(columns[1], axis=1)) + 1
-    if len(unreached):
-        names, more = ", ".join(map(str, unreached[:_MAX_NAMES])), len(unreached) - _MAX_NAMES
-        names += f" and {more} more" if more > 0 else ""
-        names = "any" if len(unreached) == len(columns[1]) > 1 else names
-        notes = [f"none for demand {names}: it can't be reached"]
-    heads = ("demand", "state", "throttled kPa", "stable")
-    return ReprTable(f"Solutions, {len(rows)}", (), heads, rows, notes)
-
-
-def workspace_table(workspace: Any) -> ReprTable:
-    """Largest force and strain that each recruitment state reaches."""
-    facts = [
-        ("scheme", workspace.scheme),
-        ("supply pressure", _format_pressure(workspace.supply_pressure)),
-        ("throttled to", format_range(workspace.level, _format_pressure)),
-        ("strains", format_range(workspace.strain, "{:.4f}".format)),
-    ]
-    rows = []
-    for state, high in enumerate(workspace.high, start=1):
-        pulls = workspace.strain[high > -_ROUNDING * np.max(high)]
-        strain = np.max(pulls, initial=0.0)
-        rows.append([str(state), format_number(np.max(high)), f"{strain:.4f}"])
-    heads = ("state", "largest force N", "pulls to strain")
-    return ReprTable("Workspace", facts, heads, rows)
-
-
-def reversal_table(reversal: Any) -> ReprTable:
-    """Turn of a free strain."""
-    initial = f"{reversal.initial:.4f}"
-    if reversal.depth == 0:
-        return ReprTable("Reversal: none, the free strain never falls", [("initial", initial)])
-    facts = [
-        ("initial", f"{initial} of strain"),
-        ("lowest", f"{reversal.free_strain:.4f} at {_format_pressure(reversal.pressure)}"),
-        ("depth", f"{reversal.depth:.4f}"),
-        ("jump", "yes, it turns at one" if reversal.jump else "no"),
-    ]
-    return ReprTable("Reversal of the free strain", facts)
-
-
-def efficiency_table(efficiencies: Any) -> ReprTable:
-    """Range, average and best of an efficiency map."""
-    eta, force, strain = efficiencies.efficiency, efficiencies.force, efficiencies.strain
-    covered = np.isfinite(eta)
-    facts = [
-        ("path", efficiencies.path),
-        ("reached", f"{np.sum(covered)} of {eta.size} points"),
-        ("forces", format_range(force, lambda F: f"{format_number(F)} N")),
-        ("strains", format_range(strain, "{:.4f}".format)),
-    ]
-    if np.any(covered):
-        row, column = np.unravel_index(np.nanargmax(eta), eta.shape)
-        point = f"at {format_number(force[row])} N, strain {strain[column]:.4f}"
-        facts.append(("average", f"{efficiencies.average:.4f}"))
-        facts.append(("best", f"{np.nanmax(eta):.4f} {point}"))
-    return ReprTable("Efficiency", facts)
-
-
-def _format_count(unit: Any) -> str:
-    return format_range(unit.count, "{:.0f}".format)
 
 
 def _laws_text(muscle: Any) -> str:

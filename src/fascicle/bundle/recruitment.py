@@ -13,7 +13,7 @@ where the force is linear in pressure, that is, wherever the muscle pulls.
 **Source:** Kim, Mazzoleni and Bryant (2021), sections 4 and 4.1, Figs. 8 and 9.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -28,9 +28,7 @@ from ..core.validation import (
     has_units,
     to_si,
 )
-from ..repr_table import with_table_repr
 from .inverse import RecruitmentResult, Solutions, recruit
-from .printing import workspace_table
 from .schemes import AbstractScheme, scheme_of
 from .states import overlap_edges, resolve_scheme, resolve_supply_pressure, states_of
 
@@ -76,7 +74,6 @@ def pressures_of(
     return states.pressures(state - 1, level, supply)
 
 
-@with_table_repr(workspace_table)
 @dataclass(frozen=True)
 class Workspace:
     """Region of forces and strains that each recruitment state of a bundle reaches.
@@ -87,11 +84,11 @@ class Workspace:
 
     scheme: str
     supply_pressure: float
-    strain: Float[np.ndarray, " strain"]
+    strain: Float[np.ndarray, " strain"] = field(repr=False)
     level: Float[np.ndarray, " level"]
-    force: Float[np.ndarray, "state level strain"]
-    low: Forces
-    high: Forces
+    force: Float[np.ndarray, "state level strain"] = field(repr=False)
+    low: Forces = field(repr=False)
+    high: Forces = field(repr=False)
 
     def outline(self, state: int) -> Outline:
         """Outline of the region of a `state`, counted from 1: strain [-] and force [N]; at zero
@@ -112,11 +109,6 @@ class Overlap:
     low: Float[np.ndarray, "pair strain"]
     high: Float[np.ndarray, "pair strain"]
     area: Float[np.ndarray, " pair"]
-
-    @property
-    def width(self) -> Float[np.ndarray, "pair strain"]:
-        """Height of the overlap in force [N] at each strain, zero where there is none."""
-        return np.nan_to_num(self.high - self.low)
 
     def outline(self, pair: int) -> Outline:
         """Outline of the overlap in row `pair`: strain [-] and force [N]; empty without one."""

@@ -16,15 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..core.types import Float, Values
-from ..core.validation import (
-    check_finite,
-    check_gauge_pressure,
-    check_scalar,
-    check_whole_number,
-)
-from ..repr_table import with_table_repr
+from ..core.validation import check_finite, check_gauge_pressure, check_scalar, check_whole_number
 from .pressurized import muscle_strain
-from .printing import reversal_table
 from .recruitment import pressures_of
 from .states import resolve_supply_pressure
 
@@ -39,7 +32,6 @@ _NO_FALL = 1e-12  # of strain: rounding of two roots
 _JUMP = 1e-6  # of strain: a bracket of 1e-9 of the supply is too narrow for a smooth curve to rise
 
 
-@with_table_repr(reversal_table)
 @dataclass(frozen=True)
 class Reversal:
     """Turn of a bundle's free strain as a unit's pressure rises.

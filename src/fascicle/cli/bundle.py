@@ -16,10 +16,15 @@ from .terminal import count_decimals, grid, kpa, number, print_table, print_text
 
 
 _ROWS = 12  # strains of the workspace that are printed, about: as many as fit on a screen
-_LIMITS = {1: "largest", 2: "least"}  # the force that a demand of each status misses
-_MAX_MESSAGES = 6  # above the table: with its first line, a summary of less than ten lines
 _PATHS = ("isobaric", "isotonic")
 _UNSTABLE = "u: unstable, the force rises with strain there and the bundle leaves it"
+# marks of a force by the status of its demand, and what they mean
+_MARKS = {1: " <", 2: " >"}
+_MEANINGS = {
+    " <": "<: the largest force there, less than the demand",
+    " >": ">: the least force there, more than the demand",
+    " u": _UNSTABLE,
+}
 
 
 @with_options("outputs", Outputs)
@@ -74,10 +79,6 @@ def print_states(variables: "Mapping[str, results.Variable]") -> None:
     """Print pressures, free strain and equilibria of states; `variables`: `bundle_equilibria`."""
     names = ("pressures", "free_strain", "equilibria", "stable")
     columns, rows = [variables[name].values.tolist() for name in names], []
-    if finite := [strain for strain in columns[1] if math.isfinite(strain)]:
-        limits = sorted({number(strain, 4) for strain in (min(finite), max(finite))})
-        states = f"{len(columns[1])} states" if len(columns[1]) > 1 else "the state"
-        print_text(f"Free strain of {states}: {' to '.join(limits)}.")
     for pressures, free, equilibria, stable in zip(*columns, strict=True):
         strains = [
             number(strain, 4) + ("" if is_stable else " u")
@@ -112,8 +113,8 @@ def space(
 ) -> None:
     """Compute the workspaces of recruitment states.
 
-    A state's workspace is the range of forces that it reaches at each contraction; those of two
-    states may overlap.
+    A state's workspace is the range of forces that it reaches at each contraction. Where those of
+    two states overlap, the one with fewer motor units takes less fluid.
     """
     strains = read_rising_strains(strain)
     throttled = None if levels is None else read_list(levels, "pressure", "--levels")
@@ -131,22 +132,14 @@ def space(
 
         return draw(workspace, fs.recruitment.overlap(workspace))
 
-    def table() -> None:
-        _print_space(variables, unit_count)
-
-    outputs.write(variables, table, figure, title=f"Space of {file}")
+    outputs.write(variables, lambda: _print_space(variables), figure, title=f"Space of {file}")
 
 
-def _print_space(variables: "Mapping[str, results.Variable]", units: int) -> None:
+def _print_space(variables: "Mapping[str, results.Variable]") -> None:
     values = {name: variable.values for name, variable in variables.items()}
     strains, high = values["strain"], values["high"]
     decimals = count_decimals(high.ravel())
-    print_text(
-        f"{units} motor unit{'s' * (units > 1)}, {values['scheme']} recruitment, supply pressure"
-        f" {kpa(values['supply_pressure'])} kPa: forces up to"
-        f" {number(high.max(), decimals)} N at a strain of"
-        f" {strains[high.max(axis=0).argmax()]:.4g}."
-    )
+    supply = f"supply pressure {kpa(values['supply_pressure'])} kPa"
     rows = []
     names = ("overlap_states", "overlap_area", "overlap_low", "overlap_high")
     for states, area, bottom, top in zip(*(values[name] for name in names), strict=True):
@@ -157,21 +150,16 @@ def _print_space(variables: "Mapping[str, results.Variable]", units: int) -> Non
             widest = [f"{width:.4g}", f"{strains[widths.index(width)]:.4g}"]
         rows.append([f"{states[0]} and {states[1]}", f"{area:.4g}", *widest])
     if rows:
-        print_text(
-            "Where states overlap, each of them reaches the force; the one with fewer motor units"
-            " takes less fluid."
-        )
         heads = ["states", "overlap area [N]", "largest width [N]", "at strain [-]"]
         print_table("Overlap of states", heads, rows)
-    elif units > 1:
-        print_text("One state reaches the whole workspace: there is no overlap.")
     rows = []
     for strain, *ends in zip(strains, values["low"].T, high.T, strict=True):
         low, top = ([number(force, decimals) for force in edge] for edge in ends)
         rows.append([f"{strain:.4g}", *map(" to ".join, zip(low, top, strict=True))])
     step = max(1, round(len(strains) / _ROWS))
     heads = ["strain [-]", *_state_heads(len(high))]
-    print_table("Range of force of each state", heads, rows[::step])
+    title = f"Range of force of each state, {values['scheme']} recruitment, {supply}"
+    print_table(title, heads, rows[::step])
 
 
 class JointDemand(NamedTuple):
@@ -222,10 +210,7 @@ def recruit(
     from ..bundle.states import resolve_scheme
 
     demands = np.array(forces)
-    with (
-        status(f"finding the pressures of {len(forces) * len(strains)} demands"),
-        user_errors(),
-    ):
+    with status(f"finding the pressures of {len(forces) * len(strains)} demands"), user_errors():
         result = fs.recruitment.recruit(
             target, demands[:, None], strains, supply, scheme, resistance=not no_resistance
         )
@@ -266,8 +251,7 @@ def _print_pressures(variables: "Mapping[str, results.Variable]", is_free: bool)
     import numpy as np
 
     values = {name: variable.values for name, variable in variables.items()}
-    decimals = count_decimals(values["force"].ravel())
-    rows, messages = [], []
+    decimals, rows = count_decimals(values["force"].ravel()), []
     for index, code in np.ndenumerate(values["status"]):
         demand, strain = f"{values['demand'][index[0]]:.6g}", f"{values['strain'][index[1]]:.6g}"
         force, state = number(values["force"][index], decimals), values["state"][index]
@@ -278,32 +262,17 @@ def _print_pressures(variables: "Mapping[str, results.Variable]", is_free: bool)
             for pressure, other, is_stable in solutions
             if other and (pressure, other) != (values["throttled_pressure"][index], state)
         ]
-        mark = "" if values["stable"][index] else " u"
+        mark = _MARKS.get(int(code), "" if values["stable"][index] else " u")
         pressures = map(kpa, values["pressures"][index])
         cells = [f"{state}", *pressures, force + mark, "\n".join(alternatives) or "-"]
         rows.append([demand, strain, *cells])
-        if code:
-            limit = f"the {_LIMITS[int(code)]} force there is {force} N"
-            messages.append(f"{demand} N at a strain of {strain} is out of reach: {limit}.")
-    if len(rows) == 1 and not messages:
-        demand, strain, state, *pressures, _, _ = rows[0]
-        texts = ", ".join(f"P{unit} {text} kPa" for unit, text in enumerate(pressures, start=1))
-        print_text(f"{demand} N at a strain of {strain}: recruitment state {state}, {texts}.")
-    else:
-        print_text(f"{len(rows) - len(messages)} of {len(rows)} demands can be reached.")
-    for message in messages[:_MAX_MESSAGES]:
-        print_text(message)
-    if len(messages) > _MAX_MESSAGES:
-        print_text(f"{len(messages) - _MAX_MESSAGES} more are out of reach, see the table.")
-    if is_free:
-        print_text("Of a range of solutions, the table has the one that takes the least fluid.")
     heads = ["demand [N]", "strain [-]", "state", *_unit_heads(variables), "force [N]"]
     captions = []
     if any(row[-1] != "-" for row in rows):
         captions = ["other solutions: recruitment state, and pressure of its throttled motor unit"]
-    if any(" u" in cell for row in rows for cell in row[-2:]):
-        captions.append(_UNSTABLE)
-    title = "Pressures for each demand"
+    text = "".join(cell for row in rows for cell in row[-2:])
+    captions += [meaning for mark, meaning in _MEANINGS.items() if mark in text]
+    title = "Pressures for each demand" + ", those of least fluid" * is_free
     print_table(title, [*heads, "other solutions"], rows, "; ".join(captions), keys=2)
 
 
@@ -331,13 +300,9 @@ def efficiency(
     target = read_bundle(file, units)
     paths = _PATHS if path is None else (path,)
     check_grid(len(target.motor_units), len(forces or range(80)), len(strains or range(225)))
+    options = (forces, strains, not no_resistance, scheme)
     with status("finding efficiencies"), user_errors():
-        maps = [
-            fs.energetics.efficiency_map(
-                target, supply, path, forces, strains, not no_resistance, scheme
-            )
-            for path in paths
-        ]
+        maps = [fs.energetics.efficiency_map(target, supply, path, *options) for path in paths]
         variables = fs.tables.efficiency(maps)
 
     def figure() -> Any:

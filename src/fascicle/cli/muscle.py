@@ -29,12 +29,11 @@ if TYPE_CHECKING:
     from ..muscle.law import AbstractLaw
 
 _LIFTS = {"air": "lift_gas", "oil": "lift_oil"}  # scenarios that are templates, by fluid
-_ENDS = ("free", "collapse")  # of the stretches of a curve
 _WIDTH = 74  # characters of a line of constants: with the indent, a terminal's 80
 # marks in the table of the result's regions 0 to 3, and what they mean
 _MARKS = (" ", "b", "c", "s")
 _MEANINGS = {
-    "b": "buckled, past the free strain",
+    "b": "buckled, past the free strain: it pushes",
     "c": "collapsed: folded at a hinge",
     "s": "straight, and compressed",
 }
@@ -65,27 +64,22 @@ def force(
 
 
 def _print_forces(variables: "Mapping[str, results.Variable]", blocked: float) -> None:
-    values = {name: variable.values.tolist() for name, variable in variables.items()}
-    labels = [f"{kpa(pressure)} kPa" for pressure in values["pressure"]]
-    highest = values["pressure"].index(max(values["pressure"]))
-    ends = {x: [number(strain, 4) for strain in values[f"{x}_strain"]] for x in _ENDS}
-    free, collapse = (texts[highest] for texts in ends.values())
+    pressures = variables["pressure"].values.tolist()
+    labels, regions = [f"{kpa(P)} kPa" for P in pressures], variables["region"].values.T
     print_text(
-        f"At {labels[highest]}: blocked force {blocked:.4g} N, free strain {free}, "
-        + ("no collapse." if collapse == "-" else f"collapse strain {collapse}.")
+        f"Blocked force at {kpa(max(pressures))} kPa: {blocked:.4g} N. Positive forces pull."
     )
-    print_text(
-        "Positive forces pull. Past the free strain the muscle pushes: its force is negative."
-    )
-    regions = variables["region"].values.T
     rows, forces = [], grid(variables["force"].values.T)
-    for strain, *pairs in zip(values["strain"], forces, regions, strict=True):
+    for strain, *pairs in zip(variables["strain"].values, forces, regions, strict=True):
         cells = [f"{force}{_MARKS[region]}" for force, region in zip(*pairs, strict=True)]
         rows.append([f"{strain:.6g}", *cells])
     marks = {_MARKS[region] for region in regions.ravel()}
     caption = "; ".join(f"{mark}: {text}" for mark, text in _MEANINGS.items() if mark in marks)
     print_table("Force [N]", ["strain [-]", *labels], rows, caption)
-    rows = [[label, *texts] for label, texts in ends.items()]
+    rows = [
+        [end, *(number(strain, 4) for strain in variables[f"{end}_strain"].values)]
+        for end in ("free", "collapse")
+    ]
     print_table("Free strain and collapse strain [-]", ["", *labels], rows)
 
 
@@ -128,20 +122,13 @@ def free_strain(
 
 def _print_free_strains(variables: "Mapping[str, results.Variable]") -> None:
     values = {name: variable.values for name, variable in variables.items()}
-    highest = values["pressure"].argmax()
-    pressures = [kpa(pressure) for pressure in values.pop("pressure")]
-    free, blocked = values["free_strain"][highest], values["blocked_force"][highest]
-    print_text(
-        f"At {pressures[highest]} kPa: free strain {free:.4f}, blocked force {blocked:.4g} N."
-    )
-    columns = []
+    columns = [[kpa(pressure) for pressure in values.pop("pressure")]]
     for name, column in values.items():
         decimals = 4 if name.endswith("strain") else count_decimals(column)
         columns.append([number(value, decimals) for value in column])
     heads = ["pressure [kPa]", "free strain [-]", "blocked force [N]", "collapse strain [-]"]
-    rows = [*zip(pressures, *columns, strict=True)]
     title = "Free strain, blocked force and collapse"
-    print_table(title, [*heads, "collapse moment [N·m]"], rows)
+    print_table(title, [*heads, "collapse moment [N·m]"], [*zip(*columns, strict=True)])
 
 
 def muscles(
@@ -364,11 +351,11 @@ def template(kind: str) -> str:
             key = "law" if law == "collapse" else law  # it has a table
             first, *alternatives = (f'"{name}"' for name in names)
             values[law] = f"{key} = {first}".ljust(33) + "# or " + ", ".join(alternatives)
-    text = (resources.files("fascicle.cli") / "templates" / f"{kind}.toml").read_text(
-        encoding="utf-8"
-    )
-    return Template(text).substitute(values, schemes=format_names('"', 1))
+    path = resources.files("fascicle.cli") / "templates" / f"{kind}.toml"
+    values["schemes"] = format_names('"', 1)
+    return Template(path.read_text(encoding="utf-8")).substitute(values)
 
 
-COMMANDS = {"force": force, "free-strain": free_strain, "muscles": muscles, "laws": laws}
-COMMANDS["init"] = init
+COMMANDS = {
+    "force": force, "free-strain": free_strain, "muscles": muscles, "laws": laws, "init": init,
+}  # fmt: skip

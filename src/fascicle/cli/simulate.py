@@ -14,8 +14,6 @@ from .terminal import print_line, print_table, print_text, status
 
 
 _UNTRUSTED = 1  # exit code
-_MAX_EVENTS = 5  # lines: the summary stays below ten
-_ROUNDING = 1e-14  # of a balance's largest term: smaller ones are rounded zeros
 
 
 def _complete_scenario(incomplete: str) -> list[str]:
@@ -119,8 +117,6 @@ def _compare_policies(study: "files.Scenario", outputs: Outputs, report: str | N
         return policies(study.plant, pairs, PolicyCosts([*drawdowns], [*energies], front))
 
     def print_policies() -> None:
-        for line in pages.policy_summary(study.plant, quantity, runs):
-            print_text(line)
         for note in notes:
             print_text(f"note: {note}")
         print_table(
@@ -169,44 +165,29 @@ def _print(
     if balances:
         verdict += f": {closed} of {len(balances)} balances close"
     print_text(f"{study.name}: {result.time[-1]:g} s in {steps}; the run {verdict}.")
-    rows, text = [], pages.control_text(study)
-    if control is None:
-        print_text(f"{text}.")
-    else:
+    print_text(f"{pages.control_text(study)}.")
+    rows = []
+    if control is not None:
         quantity, metrics = control.controller.of, pages.run_metrics(control, result)
         rows = pages.metrics_rows(plant, quantity, metrics)
-        summary = pages.metrics_summary(plant, quantity, metrics)
-        print_text(f"{text}: {summary}.")
         if message := pages.unreachable_message(plant, quantity, metrics):
             print_text(f"note: {message}")
     for note in pages.scenario_notes(study):
         print_text(f"note: {note}")
-    happened = fs.dynamics.events(result)
-    for event in happened[:_MAX_EVENTS]:
+    for event in fs.dynamics.events(result):
         print_text(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.message}")
-    if len(happened) > _MAX_EVENTS:
-        print_text(f"{len(happened) - _MAX_EVENTS} more events are in the output of --json.")
     print_table("Positions of the load", *pages.position_table(plant, result))
     if rows:
         print_table("Quality of control", ["metric", "value"], rows)
     if balances:
-        _print_balances(balances)
-
-
-def _print_balances(balances: "tuple[fs.dynamics.Balance, ...]") -> None:
-    rows = []
-    for balance in balances:
-        smallest = _ROUNDING * max(map(abs, (balance.inputs | balance.outputs).values()))
-        sides = []
-        for terms in (balance.inputs, balance.outputs):
-            large = {name: x for name, x in terms.items() if abs(x) > smallest}
-            sides.append("\n".join(f"{name} {x:.3g} {balance.unit}" for name, x in large.items()))
-        closes = "closes" if balance.closes else "DOES NOT\nCLOSE"
-        name = balance.name.replace(" of ", "\nof ")
-        rows.append([name, *sides, f"{balance.relative_residual:.0e}\n{closes}"])
-    caption = "residual: inputs less outputs, over the largest term; zero terms are omitted"
-    heads = ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]"]
-    print_table("Balances", heads, rows, caption)
+        rows = []
+        for balance in balances:
+            name, *cells = pages.balance_cells(balance)
+            closes = "closes" if balance.closes else "DOES NOT CLOSE"
+            rows.append([name.replace(" of ", "\nof "), *cells, closes])
+        caption = "residual: inputs less outputs, over the largest term; zero terms are omitted"
+        heads = ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]", ""]
+        print_table("Balances", heads, rows, caption)
 
 
 COMMANDS = {"simulate": simulate}

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _FORCE = {"m": "N", "rad": "N·m"}
 _REFERENCE = "threshold"  # the policy that energies are compared with
+_ROUNDING = 1e-14  # of a balance's largest term: smaller ones are rounded zeros
 # why no hand-over without a dip exists, by the codes of `control.Crossing`
 _NO_CROSSING = {
     "crossing.not_needed": "the units before unit {unit} can hold all of the path, at least"
@@ -53,15 +54,8 @@ def report(
     doubts: Sequence[str],
     date: str,
 ) -> str:
-    """Page of a run, as HTML.
-
-    **Arguments:**
-
-    - `scenario`: the scenario.
-    - `run`: its run [SI].
-    - `audit`: the run's balances; none for a chamber without them.
-    - `doubts`: reasons not to trust the run.
-    - `date`: of the day, such as "2026-05-04".
+    """Page of a scenario's `run` [SI], as HTML: with its balances in `audit`, if its chamber has
+    some, `doubts`, reasons not to trust it, and the `date` of the day, such as "2026-05-04".
     """
     from ..dynamics import events
 
@@ -76,6 +70,11 @@ def report(
     components = (plant.load, plant.chamber, plant.supply, plant.valve, plant.spool)
     balances = audit.balances if audit else ()
     energies = [entry for entry in balances if entry.unit == "J" and entry.name != "first law"]
+    rows = []
+    for balance in balances:
+        name, *sides, share = balance_cells(balance)
+        closes = mark(balance.closes, "closes", "doesn't close", "fails")
+        rows.append([name, *(lines(side.splitlines()) for side in sides), share, closes])
     counts = [[f"{int(unit.count)}" for unit in bundle.motor_units] for bundle in plant.bundles]
     return render(
         "simulation.html",
@@ -96,7 +95,7 @@ def report(
         traces=picture(traces(plant, run, run_demand(scenario, run))),
         moments=position_table(plant, run),
         energies=picture(energy_balances(energies)) if audit else None,
-        balances=[_balance_row(entry) for entry in balances],
+        balances=rows,
     )
 
 
@@ -152,11 +151,8 @@ def control_text(scenario: "Scenario") -> str:
         return f"No control: valves follow a schedule of {number} command{'s' * (number != 1)}"
     controller, is_rotation = controlled.controller, plant.load.unit == "rad"
     gains, prefix = controller.gains, "angular_" if is_rotation else ""
-    names = (
-        {"force": "moment", "position": "joint angle"}
-        if is_rotation
-        else {"position": "contraction"}
-    )
+    names = ("moment", "joint angle") if is_rotation else ("force", "contraction")
+    quantity = dict(zip(("force", "position"), names, strict=True))[controller.of]
     values = {
         "force_gain": format_digits(float(gains.force)),
         "force_integral_time": _time_text(float(gains.force_integral)),
@@ -170,23 +166,12 @@ def control_text(scenario: "Scenario") -> str:
             "pressure_time": values["pressure_time"],
         }
     texts = ", ".join(f"{key} {text}" for key, text in values.items())
-    quantity = names.get(controller.of, controller.of)
     return f"Control of {quantity} by {controlled.policy} ({texts})"
 
 
 def _time_text(rate: float) -> str:
     """Text of the time that a `rate` [1/s] is the inverse of."""
     return "none" if rate == 0 else pretty(1 / rate, "time")
-
-
-def metrics_summary(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> str:
-    """Text of the drawdown, error and energy of a run that controls a `quantity`, with units."""
-    factor, unit = display_unit(plant, quantity)
-    return (
-        f"drawdown {factor * metrics.drawdown:.4g} {unit}, root mean square of the error"
-        f" {factor * metrics.rms:.4g} {unit}, energy from the supply"
-        f" {metrics.supply_energy:.4g} J"
-    )
 
 
 def unreachable_message(plant: "Plant", quantity: str, metrics: "ControlMetrics") -> str:
@@ -205,43 +190,28 @@ def unreachable_message(plant: "Plant", quantity: str, metrics: "ControlMetrics"
 
 def position_table(plant: "Plant", run: "Trajectory") -> tuple[list[str], list[list[str]]]:
     """Heads and rows of positions and pressures at the start, the end and the extremes."""
-    outputs = run.outputs
     factor, unit = display_unit(plant, "position")
-    q = factor * np.asarray(outputs.position)
-    heads = [
-        "",
-        "time [s]",
-        f"position [{unit}]",
-        *(f"P{i + 1} [kPa]" for i in range(plant.units)),
-        "supply [kPa]",
-    ]
+    q = factor * np.asarray(run.outputs.position)
+    names = [*(f"P{i + 1} [kPa]" for i in range(plant.units)), "supply [kPa]"]
     marks = {"start": 0, "lowest": int(q.argmin()), "highest": int(q.argmax()), "end": len(q) - 1}
-    rows = [
-        [
-            name,
-            f"{run.time[k]:g}",
-            f"{q[k]:.2f}",
-            *(f"{round(float(P) / 1e3, 1) + 0.0:.1f}" for P in outputs.pressures[k]),
-            f"{outputs.supply_pressure[k] / 1e3:.1f}",
-        ]
-        for name, k in marks.items()
-    ]
-    return heads, rows
+    rows = []
+    for name, k in marks.items():
+        pressures = [*run.outputs.pressures[k], run.outputs.supply_pressure[k]]
+        texts = [f"{round(float(P) / 1e3, 1) + 0.0:.1f}" for P in pressures]
+        rows.append([name, f"{run.time[k]:g}", f"{q[k]:.2f}", *texts])
+    return ["", "time [s]", f"position [{unit}]", *names], rows
 
 
-def _balance_row(balance: "Balance") -> list[str]:
-    inputs, outputs = (
-        lines([f"{name}: {x + 0.0:.4g} {balance.unit}" for name, x in terms.items()])
-        for terms in (balance.inputs, balance.outputs)
-    )
-    return [
-        balance.name,
-        inputs,
-        outputs,
-        f"{balance.residual:.1e} {balance.unit}",
-        f"{balance.relative_residual:.0e} (at most {balance.tolerance:g})",
-        mark(balance.closes, "closes", "doesn't close", "fails"),
-    ]
+def balance_cells(balance: "Balance") -> list[str]:
+    """Name of a balance, a line for each term of its inputs and outputs, and its residual over the
+    largest term.
+    """
+    smallest = _ROUNDING * max(map(abs, (balance.inputs | balance.outputs).values()))
+    sides = []
+    for terms in (balance.inputs, balance.outputs):
+        large = {name: x for name, x in terms.items() if abs(x) > smallest}
+        sides.append("\n".join(f"{name} {x:.4g} {balance.unit}" for name, x in large.items()))
+    return [balance.name, *sides, f"{balance.relative_residual:.0e}, at most {balance.tolerance:g}"]
 
 
 def policy_report(
@@ -251,15 +221,8 @@ def policy_report(
     figure: Figure,
     date: str,
 ) -> str:
-    """Page of one scenario under all policies, as HTML.
-
-    **Arguments:**
-
-    - `scenario`: the scenario.
-    - `runs`: by policy [SI].
-    - `front`: policies on the front of drawdown against energy.
-    - `figure`: of the policies.
-    - `date`: of the day, such as "2026-05-04".
+    """Page of one scenario under all policies, as HTML: `runs` by policy [SI], which of them are on
+    the `front` of drawdown against energy, their `figure`, and the `date` of the day.
     """
     quantity = next(iter(runs.values())).tracking.quantity
     heads, rows = policy_cells(scenario.plant, quantity, runs, front)
@@ -304,16 +267,6 @@ def policy_cells(
         }
         heads, rows = [*cells], [*rows, [*cells.values()]]
     return heads, rows
-
-
-def policy_summary(plant: "Plant", quantity: str, runs: Mapping[str, PolicyRun]) -> list[str]:
-    """Policies with the least drawdown and with the least energy, a line each."""
-    metrics = {name: run.metrics for name, run in runs.items() if not run.doubts}
-    return [
-        f"Least {label}: {name}, {metrics_summary(plant, quantity, value)}."
-        for label, key in (("drawdown", "drawdown"), ("energy", "supply_energy"))
-        for name, value in sorted(metrics.items(), key=lambda pair: getattr(pair[1], key))[:1]
-    ]
 
 
 def policy_notes(scenario: "Scenario", runs: Mapping[str, PolicyRun]) -> list[str]:

@@ -61,7 +61,7 @@ def test_outlines_are_closed():
 
 def test_points_of_the_overlap_are_reached_by_both_states():
     result = overlap(workspace(two))
-    j = int(np.argmax(result.width[0]))
+    j = int(np.nanargmax((result.high - result.low)[0]))
     middle = 0.5 * (result.low[0, j] + result.high[0, j])
     levels = np.linspace(0, SUPPLY, 400)
     for state in (1, 2):
