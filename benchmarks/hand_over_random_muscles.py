@@ -102,7 +102,7 @@ def start_at(plant: dynamics.Plant, force: float, strain: float) -> dynamics.Sta
     branches = _tabulate_branches(plant.bundles[0].motor_units[0].muscle)
     count = float(plant.counts[1])
     empty = count * float(branches.force(np.zeros(2), np.full(2, strain))[1])
-    pressure = branches.pressure(np.array([force - empty, 0.0]), np.full(2, strain)).pressure
+    pressure = branches.pressure(np.array([force - empty, 0.0]), np.full(2, strain))
     return dynamics.equilibrium_state(plant, [float(pressure[0]), 0.0])
 
 

@@ -285,3 +285,13 @@ def _largest_free_strain(bundle: Bundle, pressures: PerUnit) -> Numbers:
     muscles = pressurize(bundle, pressures)
     free_strains = muscles.plate_strains(lambda muscle: muscle.column.free_strain)
     return array_namespace(free_strains).max(free_strains, axis=-1)
+
+
+def as_bundle(value: Muscle | Bundle, name: str = "bundle") -> Bundle:
+    """A bundle, or a muscle as one; `name`: of the argument, in an error."""
+    if isinstance(value, Bundle):
+        return value
+    if not isinstance(value, Muscle):
+        rule, kind = "must be a Muscle or a Bundle", type(value).__name__
+        raise InvalidInputError(name, rule, value, shown=kind)
+    return Bundle([MotorUnit(value)])

@@ -38,7 +38,6 @@ or a delay.
 import warnings
 from typing import Any, NamedTuple
 
-import attrs
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -48,7 +47,7 @@ from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
-from ..core.validation import check_choice, check_interval, check_positive
+from ..core.validation import check_choice, check_interval, check_nonnegative, check_positive
 from ..dynamics import Measurement, Plant, PrescribedMotion
 from ..muscle.hysteresis import AbstractHysteresis
 from .policies import POLICIES, Policy
@@ -88,8 +87,8 @@ class Gains(NamedTuple):
 class CascadeMemory(NamedTuple):
     """Memory of a cascade between steps: integrals of its errors [SI], the `disturbance` [SI], the
     previous `demand` without corrections and its filtered `rate` [SI], the model's `friction`
-    forces [N], the previous `reference` [SI], each bundle's policy, the present `commands` [-],
-    steps to `wait` until the next ones and steps since the start.
+    forces [N], the previous `reference` [SI], each bundle's policy, the present `commands` [-], and
+    `steps` since the start.
     """
 
     integral: Batch
@@ -101,7 +100,6 @@ class CascadeMemory(NamedTuple):
     reference: Batch
     policies: tuple
     commands: Numbers
-    wait: Batch
     steps: Batch
 
 
@@ -113,10 +111,9 @@ def valve_lag(plant: Plant) -> float:
 class Cascade(Module):
     """Controller of a plant, as `simulate` takes it, made by `control.cascade`.
 
-    `plant`: its model. `units`: of each bundle. `policies`: one for each bundle. `gains`: `Gains`
-    [SI]. `highest_pressure` [Pa], `flow_limit`: fraction of a valve's opening [-]. `friction`: the
-    law that is compensated, or none. `co_contraction` [N]. `delay`: declared dead time of valves
-    and measurements [s]. `of`: "force" or "position"; period, `every`, in steps of `dt` [s].
+    `plant`: its model. `units`, `policies`: of each bundle. `friction`: the law that is
+    compensated, or none. `every`: its period in steps of `dt` [s]. Others are arguments of
+    `cascade` [SI].
     """
 
     plant: Plant
@@ -167,20 +164,10 @@ class Cascade(Module):
     def memory(self) -> CascadeMemory:
         """Initial memory."""
         zero, n = jnp.zeros(()), self.plant.units
-        policies = tuple(p.begin(u) for p, u in zip(self.policies, self.units, strict=True))
-        return CascadeMemory(
-            zero,
-            zero,
-            zero,
-            zero,
-            zero,
-            jnp.zeros((n, self.friction.count if self.friction else 0)),
-            zero,
-            jax.tree.map(jnp.asarray, policies),
-            jnp.zeros(n),
-            zero,
-            zero,
-        )
+        springs = jnp.zeros((n, self.friction.count if self.friction else 0))
+        policies = jax.tree.map(jnp.asarray, tuple(policy.begin for policy in self.policies))
+        sums = (zero,) * 5
+        return CascadeMemory(*sums, springs, zero, policies, jnp.zeros(n), zero)
 
     def __call__(
         self, memory: CascadeMemory, measurement: Measurement, reference: Any
@@ -188,38 +175,27 @@ class Cascade(Module):
         """Next memory and commands [-], from a `memory`, a `measurement` [SI] and the present
         `reference` [SI].
         """
+
+        def update() -> CascadeMemory:
+            return self._update(memory, measurement, reference)
+
         if self.every == 1:
-            following, commands = self._update(memory, measurement, reference)
+            following = update()
         else:  # between its samples nothing is computed
-            sample = memory._replace(wait=self.every + 0.0 * memory.wait)
-            following, commands = lax.cond(
-                memory.wait <= 0,
-                lambda: self._update(sample, measurement, reference),
-                lambda: (memory, memory.commands),
-            )
-        wait = following.wait - 1
-        return following._replace(commands=commands, wait=wait, steps=memory.steps + 1), commands
+            following = lax.cond(memory.steps % self.every == 0, update, lambda: memory)
+        return following._replace(steps=memory.steps + 1), following.commands
 
     def _update(
         self, memory: CascadeMemory, measurement: Measurement, reference: Any
-    ) -> tuple[CascadeMemory, Numbers]:
-        """Next memory and commands [-] of one sample, from a `measurement` [SI].
-
-        The caller sets the timing in the memory.
-        """
+    ) -> CascadeMemory:
+        """Next memory of one sample, from a `measurement` [SI], with its new commands [-]."""
         dt, plant, gains = self.dt * self.every, self.plant, self.gains
         started = memory.steps > 0
         if self.of == "position":
             error = reference - measurement.position
-            before = jnp.where(started, memory.reference, reference)
-            prediction, friction = self._predict_friction(memory, reference, before, measurement)
-            force = (
-                -plant.load.force(reference)
-                + prediction
-                + gains.position * error
-                - gains.velocity * measurement.velocity
-                + memory.integral
-            )
+            prediction, friction = self._predict_friction(memory, reference, measurement)
+            force = prediction - plant.load.force(reference) + memory.integral
+            force = force + gains.position * error - gains.velocity * measurement.velocity
             integral = memory.integral + gains.integral * error * dt
             last = jnp.asarray(reference, float)
         else:
@@ -240,27 +216,20 @@ class Cascade(Module):
         rate = memory.rate + (change - memory.rate) * fraction
 
         observer = jnp.where(jnp.isfinite(gains.observer_time), gains.observer_time, 0.0)
-        correction = gains.pressure_time + observer
         speed = plant.gains * measurement.velocity
+        supply = minimum(measurement.supply_pressure, self.highest_pressure)
         joint = len(self.units) == 2
-        policies, targets, short, excess = [], [], [], []
+        decisions, short, excess = [], [], []
         for side, (policy, units) in enumerate(zip(self.policies, self.units, strict=True)):
             indices, arm = plant.unit_indices(side), plant.load.arms[side][1]
             force_ratio = (1 / (2 * arm)) if joint else 1 / arm
-            unit_demand = UnitDemand(
-                demand * force_ratio + (self.co_contraction if joint else 0.0),
-                rate * force_ratio,
-                strains[indices],
-                measurement.pressures[indices],
-                minimum(measurement.supply_pressure, self.highest_pressure),
-                gains.pressure_time,
-                correction,
-                dt,
-            )
+            bundle_force = demand * force_ratio + (self.co_contraction if joint else 0.0)
+            of_units = strains[indices], measurement.pressures[indices], supply
+            times = gains.pressure_time, gains.pressure_time + observer, dt
+            unit_demand = UnitDemand(bundle_force, rate * force_ratio, *of_units, *times)
             capability = evaluate_capability(units, unit_demand)
             step = policy(memory.policies[side], units, unit_demand, capability)
-            policies.append(step.memory)
-            targets.append(step.pressures)
+            decisions.append(step)
             too_much = (unit_demand.force > capability.largest[-1]) | (step.withheld > 0)
             too_little = unit_demand.force < jnp.sum(capability.empty)
             short.append(where(force_ratio > 0, too_much, too_little))
@@ -272,17 +241,12 @@ class Cascade(Module):
             winds_up = (is_short & (value > before)) | (is_excess & (value < before))
             return jnp.where(winds_up, before, value)
 
+        memories, targets, _ = zip(*decisions, strict=True)
         commands = self._valve_commands(jnp.concatenate(targets), measurement, strains, speed)
-        return memory._replace(
-            integral=without_windup(integral, memory.integral),
-            force_integral=without_windup(force_integral, memory.force_integral),
-            disturbance=disturbance,
-            demand=command,
-            rate=rate,
-            friction=friction,
-            reference=last,
-            policies=tuple(policies),
-        ), commands
+        integral = without_windup(integral, memory.integral)
+        force_integral = without_windup(force_integral, memory.force_integral)
+        sums = integral, force_integral, disturbance, command, rate
+        return CascadeMemory(*sums, friction, last, memories, commands, memory.steps)
 
     def _valve_commands(
         self, target: Numbers, measurement: Measurement, strains: Numbers, speed: Numbers
@@ -311,13 +275,11 @@ class Cascade(Module):
     ) -> Batch:
         """Measured force beyond the model's at the measured pressures [SI], filtered, (K2a)."""
         plant, model = self.plant, 0.0
-        arms = plant.lengths * plant.gains
+        arms = plant.counts * plant.lengths * plant.gains
         for side, units in enumerate(self.units):
-            indices = plant.unit_indices(side)
-            pulls = units.counts * units.branches.force(
-                measurement.pressures[indices], strains[indices]
-            )
-            model = model + jnp.sum(arms[indices] * pulls)
+            i = plant.unit_indices(side)
+            pulls = units.branches.force(measurement.pressures[i], strains[i])
+            model = model + jnp.sum(arms[i] * pulls)
         dt = self.dt * self.every
         fraction = dt / (dt + self.gains.observer_time)
         started = (memory.steps > 0) | ~jnp.isfinite(self.gains.observer_time)
@@ -325,13 +287,14 @@ class Cascade(Module):
         return memory.disturbance + (measurement.force - model - memory.disturbance) * fraction
 
     def _predict_friction(
-        self, memory: CascadeMemory, reference: Batch, before: Batch, measurement: Measurement
+        self, memory: CascadeMemory, reference: Batch, measurement: Measurement
     ) -> tuple[Batch, Numbers]:
         """Predicted friction along the reference [SI], and its forces [N]."""
         if self.friction is None:
             return 0.0 * reference, memory.friction
         plant, P = self.plant, maximum(measurement.pressures, 0.0)
         arms = plant.lengths * plant.gains
+        before = jnp.where(memory.steps > 0, memory.reference, reference)
         travel = arms * (reference - before)
         speed = travel / (self.dt * self.every)
         muscles = plant.muscles.at(P, plant.strains(reference))
@@ -377,78 +340,47 @@ def cascade(
 
     **Raises:** `InvalidInputError` for arguments that don't fit.
     """
-    policy_with_band = POLICIES[check_choice(policy, POLICIES, "policy")]
+    check_choice(policy, POLICIES, "policy")
     check_choice(of, OF, "of")
     if of == "position" and isinstance(plant.load, PrescribedMotion):
         raise InvalidInputError("of", "must be force where the motion is given", of)
-    closed = (True, False)
     for name, value in gains._asdict().items():
         if name not in ("pressure_time", "observer_time"):
-            check_interval(value, 0.0, np.inf, f"{name} gain", "SI", closed=closed)
+            check_nonnegative(value, f"{name} gain", "SI")
     step = float(check_positive(dt, "dt", "s", "such as 0.001"))
     period = check_positive(step if sample_time is None else sample_time, "sample_time", "s")
-    period_steps = _whole_steps(period, step, "sample_time")
-    dead_time = check_interval(delay, 0.0, np.inf, "delay", "s", closed=closed)
-    supply = plant.supply_pressure
-    highest = float(
-        check_interval(
-            supply if highest_pressure is None else highest_pressure,
-            0.0,
-            supply,
-            "highest_pressure",
-            "Pa",
-            "of the supply",
-            (False, True),
-        )
-    )
-    limit = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=(False, True))
+    every = round(float(period) / step)
+    # whole but for the rounding of numbers in a file
+    if every < 1 or abs(every - float(period) / step) > 1e-6 * every:
+        rule = f"must be whole steps of {step:g} s"
+        raise InvalidInputError("sample_time", rule, float(period), shown=f"{period:g} s")
+    dead_time = check_nonnegative(delay, "delay", "s")
+    supply, to_end = plant.supply_pressure, (False, True)
+    highest = supply if highest_pressure is None else highest_pressure
+    limits = 0.0, supply, "highest_pressure", "Pa", "of the supply", to_end
+    highest = check_interval(highest, *limits)
+    opening = check_interval(flow_limit, 0.0, 1.0, "flow_limit", "-", closed=to_end)
     units = tuple(ControlledUnits.from_plant(plant, side) for side in range(len(plant.bundles)))
     if band is None:
-        zeros = [np.zeros(bundle.count) for bundle in units]
-        blocked = [
-            x.counts * x.branches.force(supply + z, z) for x, z in zip(units, zeros, strict=True)
-        ]
-        band = _BAND * float(np.max(np.concatenate(blocked)))
-    policies = tuple(policy_with_band(band) for _ in units)
-    for rule, bundle in zip(policies, units, strict=True):
-        rule.begin(bundle)
-    derived = gains.pressure_time is None
-    pressure_time = FASTEST if derived else gains.pressure_time
+        at_rest = [x.branches.force(supply + 0 * x.counts, 0 * x.counts) for x in units]
+        band = _BAND * float(np.max(plant.counts * np.concatenate(at_rest)))
+    band = check_positive(band, "band", "N")
+    policies = tuple(POLICIES[policy](band) for _ in units)
+    derived, pressure_time = gains.pressure_time is None, gains.pressure_time
+    if derived:
+        pressure_time = max(FASTEST, DAMPED * (valve_lag(plant) + dead_time + step * every))
     pressure_time = check_positive(pressure_time, "pressure_time", "s")
     observer = gains.observer_time
     if observer is None:
         observer = OBSERVER if policy == "hand_over" else np.inf
-    observer = check_interval(observer, 0.0, np.inf, "observer_time", "s", closed=(False, True))
+    observer = check_interval(observer, 0.0, np.inf, "observer_time", "s", closed=to_end)
     gains = gains._replace(pressure_time=pressure_time, observer_time=observer)
     gains = Gains(*map(np.float64, gains))
-    tension = check_interval(co_contraction, 0.0, np.inf, "co_contraction", "N", closed=closed)
-    controller = Cascade(
-        plant,
-        units,
-        policies,
-        gains,
-        np.float64(highest),
-        np.float64(limit),
-        plant.hysteresis if compensate else None,
-        np.float64(tension),
-        np.float64(dead_time),
-        np.float64(step),
-        of,
-        period_steps,
-    )
-    if derived:
-        pressure_time = np.float64(max(FASTEST, DAMPED * controller.lateness))
-        return attrs.evolve(controller, gains=gains._replace(pressure_time=pressure_time))
-    for warning in controller.warnings:
+    friction = plant.hysteresis if compensate else None
+    tension = check_nonnegative(co_contraction, "co_contraction", "N")
+    highest, opening, tension, dead_time = map(np.float64, (highest, opening, tension, dead_time))
+    parts = plant, units, policies, gains, highest, opening, friction, tension, dead_time
+    controller = Cascade(*parts, np.float64(step), of, every)
+    for warning in () if derived else controller.warnings:
         warnings.warn(f"{warning}.", stacklevel=2)
     return controller
-
-
-def _whole_steps(value: Any, dt: float, name: str) -> int:
-    """Number of steps of `dt` [s] in a `value` [s], refused unless it is whole and 1 or more."""
-    steps = round(float(value) / dt)
-    # whole but for the rounding of numbers in a file
-    if steps < 1 or abs(steps - float(value) / dt) > 1e-6 * steps:
-        rule = f"must be whole steps of {dt:g} s"
-        raise InvalidInputError(name, rule, float(value), shown=f"{float(value):g} s")
-    return steps

@@ -27,7 +27,7 @@ from ..bundle.states import resolve_supply_pressure
 from ..core.errors import InvalidInputError
 from ..core.findings import Finding, Severity
 from ..core.types import Numbers, Values
-from ..core.validation import check_finite, check_interval
+from ..core.validation import check_finite, check_nonnegative
 from ..dynamics import Plant
 from .branches import Branches
 from .controller import DAMPED, valve_lag
@@ -53,15 +53,8 @@ class Path(NamedTuple):
 
     @classmethod
     def of(cls, time: Values, force: Values, strain: Values) -> "Path":
-        """Path of demand through given times, linear between them.
-
-        **Arguments:**
-
-        - `time`: at least two, rising [s].
-        - `force`: the demand at each [N].
-        - `strain`: the bundle's contraction at each, or one for all [-].
-
-        **Raises:** `InvalidInputError` for times that don't rise, and rows of unequal length.
+        """Path of demand, linear between its times: `force` [N] and `strain` [-], or one for all,
+        at each `time` [s]; `InvalidInputError` for times that don't rise, and unequal lengths.
         """
         t = np.atleast_1d(check_finite(time, "time", "s"))
         F = np.atleast_1d(check_finite(force, "force", "N"))
@@ -114,24 +107,18 @@ class Crossing(NamedTuple):
 def hand_over_time(
     bundle: Bundle, strain: Values, valves: Any, unit: int = 2, supply_pressure: Values = None
 ) -> Numbers:
-    """Time in which a unit's valve fills it to its onset pressure, $t_c$ of equation (X4).
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `strain`: its contraction [-].
-    - `valves`: `GasValves`, `OilValves`, a `Plant`, or one for each unit.
-    - `unit`: number of the next unit, counted from 1.
-    - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
-
-    **Returns:** time [s]; inf if the unit gains nothing up to the supply's pressure.
-
-    **Raises:** `InvalidInputError` as `transition` does, and for valves that don't fit.
+    """Time $t_c$ [s] in which a unit's valve fills it to its onset pressure, (X4): inf if it gains
+    nothing up to the supply's pressure. `valves` are those of `crossing`; other arguments and
+    errors are those of `transition`: `strain` [-] and `supply_pressure` [Pa].
     """
-    supply = resolve_supply_pressure(bundle, supply_pressure)
-    onset = transition(bundle, strain, unit, supply).onset_pressure
+    onset = np.asarray(transition(bundle, strain, unit, supply_pressure).onset_pressure)
     valve = valves_of_units(valves, len(bundle.motor_units))[unit - 1]
-    return _fill_time(bundle, unit, valve, onset, strain)
+    muscle, count = bundle.motor_units[unit - 1].muscle, bundle.motor_units[unit - 1].count
+    eps, gains = unit_strain(bundle, unit, strain), np.isfinite(onset)
+    p = np.where(gains, onset, 0.0)
+    full, empty = (valve.content(P, count * muscle.conjugate_volume(P, eps)) for P in (p, 0.0 * p))
+    # the least flow on its way
+    return np.where(gains, (full - empty) / valve.flow(p), np.inf)[()]
 
 
 def crossing(
@@ -147,11 +134,9 @@ def crossing(
 
     **Arguments:**
 
-    - `bundle`: the bundle.
+    - `bundle`, `unit` and `supply_pressure`: those of `transition` [Pa].
     - `path`: demand [N] and strain [-] over time [s].
     - `valves`: `GasValves`, `OilValves`, a `Plant`, or one for each unit.
-    - `unit`: number of the recruited unit, counted from 1.
-    - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
     - `slack`: factor on the valves' time [-]: 1 is the criterion itself, with which a ramp at the
       valves' limit leaves a controller nothing to correct with.
     - `lag`: of the pressures behind a controller's demand [s]; a hand-over must be over by as much
@@ -166,10 +151,17 @@ def crossing(
     supply = resolve_supply_pressure(bundle, supply_pressure)
     per_unit = valves_of_units(valves, len(bundle.motor_units))
     path = Path.of(*path)
-    lag = float(check_interval(lag, 0.0, np.inf, "lag", "s", closed=(True, False)))
+    lag = float(check_nonnegative(lag, "lag", "s"))
     begin = path.time[0]
     path = path._replace(time=path.time - lag)  # pressures of now are those of this demand
-    hand_over = _HandOver(bundle, unit, supply, path, per_unit, slack)
+    strains = np.unique(path.strain)
+    if len(strains) > _STRAINS:
+        strains = np.linspace(strains[0], strains[-1], _STRAINS)
+    transitions = transition(bundle, strains, unit, supply)
+    branches = Branches.of(bundle, supply, _SHAPE)
+    hand_over = _HandOver(
+        bundle, branches, unit - 1, supply, path, per_unit, slack, strains, transitions
+    )
     t = np.union1d(path.time, np.linspace(path.time[0], path.time[-1], _MOMENTS))
     F, state = hand_over.demand(t)
     reserve = state.largest_force - F
@@ -194,45 +186,29 @@ def crossing(
             gains = np.isfinite(state.onset_pressure[: k + 1])
             margin = np.where(gains, (reserve - state.dip)[: k + 1], -np.inf)
             best = int(np.argmax(margin))
-            numbers = {"reserve": float(reserve[best]), "dip": float(state.dip[best])}
             if not np.any(gains):
                 return no_crossing(deadline, "no_gain")
             code = "dip_too_deep" if margin[best] < 0 else "valves_too_slow"
+            numbers = {"reserve": float(reserve[best]), "dip": float(state.dip[best])}
             return no_crossing(deadline, code, **numbers)
         start, end = float(starts[feasible[-1]]), float(ends[feasible[-1]])
         starts, step = np.linspace(start, min(start + step, deadline), 33), step / 32
     eps = float(np.interp(end, path.time, path.strain))
     last = transition(bundle, eps, unit, supply)
     F_start, first = hand_over.demand(np.array([start]))
-    return Crossing(
-        deadline,
-        start,
-        end,
-        float(_fill_time(bundle, unit, per_unit[unit - 1], last.onset_pressure, eps)),
-        eps,
-        float(last.dip),
-        float(last.onset_pressure),
-        float(first.largest_force[0] - F_start[0]),
-    )
+    fill_time = float(hand_over_time(bundle, eps, per_unit, unit, supply))
+    at_end, reserve = (eps, float(last.dip), float(last.onset_pressure)), first.largest_force
+    return Crossing(deadline, start, end, fill_time, *at_end, float(reserve[0] - F_start[0]))
 
 
 def crossings_on_reference(
     plant: Plant, reference: Values, dt: float, of: str, delay: float = 0.0
 ) -> tuple[Crossing, ...]:
-    """Crossings to each unit but the first along the quasi-static motion that follows a reference.
+    """A `Crossing` [s] to each unit but the first along the quasi-static motion of a `plant` that
+    follows a `reference` `of` "force" or "position" [SI], one for each step `dt` [s], with a
+    `delay` of measurements [s] besides the plant's valves'; raises as `crossing`.
 
-    **Arguments:**
-
-    - `plant`: the plant.
-    - `reference`: one for each step [SI].
-    - `dt`: the step [s].
-    - `of`: quantity of the reference, "force" or "position".
-    - `delay`: of measurements [s]; the lag of valves is the plant's.
-
-    **Returns:** a `Crossing` [s] of each unit; none for two bundles, whose demands depend on the
-    controller.
-
-    **Raises:** `InvalidInputError` as `crossing` does.
+    None for two bundles, whose demands depend on the controller.
     """
     bundle, *others = plant.bundles
     if others:
@@ -253,29 +229,20 @@ def crossings_on_reference(
     return tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)
 
 
-class _HandOver:
-    """Search for hand-overs along a path, with the bundle's tables and transitions on it."""
+class _HandOver(NamedTuple):
+    """Search for hand-overs to the unit of index `k` along a `path`, with the `transitions` at some
+    `strains` on it.
+    """
 
-    def __init__(
-        self,
-        bundle: Bundle,
-        unit: int,
-        supply: float,
-        path: Path,
-        valves: tuple[AbstractValves, ...],
-        slack: float,
-    ):
-        self.bundle, self.path, self.k = bundle, path, unit - 1
-        self.supply, self.valves, self.slack = supply, valves, slack
-        key = "control.branches", supply
-        if key not in bundle.cache:
-            bundle.cache[key] = Branches.of(bundle, supply, _SHAPE)
-        self.branches: Branches = bundle.cache[key]
-        self.counts = np.asarray(bundle.counts, float)
-        strains = np.unique(path.strain)
-        if len(strains) > _STRAINS:
-            strains = np.linspace(strains[0], strains[-1], _STRAINS)
-        self.strains, self.transitions = strains, transition(bundle, strains, unit, supply)
+    bundle: Bundle
+    branches: Branches
+    k: int
+    supply: float
+    path: Path
+    valves: tuple[AbstractValves, ...]
+    slack: float
+    strains: Numbers
+    transitions: Transition
 
     def demand(self, time: np.ndarray) -> tuple[np.ndarray, Transition]:
         """Demand [N] at a `time` [s], and the transition at its strain."""
@@ -286,17 +253,13 @@ class _HandOver:
     def ends(self, start: np.ndarray) -> np.ndarray:
         """Ends [s] of the hand-overs that begin at each `start` [s]; inf without a feasible one."""
         t, last = start + 0.0, self.path.time[-1]
-        feasible, duration, before = np.full(t.shape, True), np.zeros_like(t), []
+        feasible, duration, before = np.full(t.shape, True), np.zeros_like(t), None
         for fraction in np.linspace(0.0, 1.0, _STEPS + 1):
             # the demand at the step's end, if it takes as long as the one before
-            ok, content, gain = self._step(np.minimum(t + duration, last), fraction)
-            if before:
-                duration = np.maximum(
-                    *(
-                        self.slack * np.maximum(m - m_before, 0.0) / np.maximum(flow, _NO_FLOW)
-                        for (m, flow), (m_before, _) in zip(content, before, strict=True)
-                    )
-                )
+            ok, content, flow, gain = self._step(np.minimum(t + duration, last), fraction)
+            if before is not None:  # as long as the slower valve needs
+                added = np.maximum(content - before, 0.0) / np.maximum(flow, _NO_FLOW)
+                duration = self.slack * np.max(added, axis=0)
             t, before = t + duration, content
             # a step near the supply's pressure takes far longer than the one before
             F, state = self.demand(np.minimum(t, last))
@@ -304,21 +267,19 @@ class _HandOver:
             t = np.where(feasible, t, last)
         return np.where(feasible, t, np.inf)
 
-    def _step(self, time: np.ndarray, fraction: float) -> tuple[np.ndarray, list, np.ndarray]:
-        """Feasibility of a hand-over at a `fraction` of it, both units' contents and flows, and the
-        force that the next unit gains [N].
+    def _step(self, time: np.ndarray, fraction: float) -> tuple[np.ndarray, ...]:
+        """Feasibility of a hand-over at a `fraction` of it, both units' contents and flows on the
+        first axis, and the force that the next unit gains [N].
         """
-        k, P_s, n = self.k, self.supply, self.counts
+        k, P_s, n = self.k, self.supply, np.asarray(self.bundle.counts, float)
         F, state = self.demand(time)
         strain = np.interp(time, self.path.time, self.path.strain)
         eps = np.stack([unit_strain(self.bundle, i + 1, strain) for i in range(len(n))], axis=-1)
         gains = np.isfinite(state.onset_pressure)
         # the deepest point is among the steps: a muscle's force may have a kink there
         onset = np.where(gains, state.onset_pressure, P_s)
-        if fraction <= 0.5:
-            p = 2 * fraction * state.dip_pressure
-        else:
-            p = state.dip_pressure + (2 * fraction - 1) * (onset - state.dip_pressure)
+        first, second = min(2 * fraction, 1.0), max(2 * fraction - 1, 0.0)
+        p = first * state.dip_pressure + second * (onset - state.dip_pressure)
         P = np.zeros((len(time), len(n)))
         empty = self.branches.force(P, eps)[:, k]
         P[:, k - 1], P[:, k] = P_s, p
@@ -328,33 +289,10 @@ class _HandOver:
         spare = state.largest_force - F + gain
         demand = forces.copy()
         demand[:, k - 1] -= np.maximum(spare, 0.0) / n[k - 1]
-        P[:, k - 1] = self.branches.pressure(demand, eps).pressure[:, k - 1]
-        V = self.branches.muscles.at(P, eps).volume * n
         # a demand below an empty unit's force is no fault of the hand-over
-        return (
-            gains & (spare >= 0),
-            [
-                (
-                    np.asarray(self.valves[i].content(P[:, i], V[:, i])),
-                    np.asarray(self.valves[i].flow(P[:, i])),
-                )
-                for i in (k - 1, k)
-            ],
-            gain,
-        )
-
-
-def _fill_time(
-    bundle: Bundle, unit: int, valve: AbstractValves, onset: Values, strain: Values
-) -> Numbers:
-    """Time [s] to fill a `unit` to its `onset` [Pa], (X4); inf where it gains nothing."""
-    motor_unit = bundle.motor_units[unit - 1]
-    eps = unit_strain(bundle, unit, strain)
-    gains = np.isfinite(np.asarray(onset))
-    p = np.where(gains, np.asarray(onset), 0.0)
-    full, empty = (
-        valve.content(P, motor_unit.count * motor_unit.muscle.conjugate_volume(P, eps))
-        for P in (p, 0.0 * p)
-    )
-    # the least flow on its way
-    return np.where(gains, (full - empty) / valve.flow(p), np.inf)[()]
+        P[:, k - 1] = self.branches.pressure(demand, eps)[:, k - 1]
+        V = self.branches.muscles.at(P, eps).volume * n
+        units = [(self.valves[i], P[:, i], V[:, i]) for i in (k - 1, k)]
+        contents = np.stack([valve.content(p, volume) for valve, p, volume in units])
+        flows = np.stack([valve.flow(p) for valve, p, _ in units])
+        return gains & (spare >= 0), contents, flows, gain

@@ -33,7 +33,7 @@ from ..bundle.states import resolve_supply_pressure
 from ..core.array_namespace import slices
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
-from ..core.validation import HIGHEST_PRESSURE, check_interval
+from ..core.validation import HIGHEST_PRESSURE, check_finite, check_interval, check_nonnegative
 
 
 _GRID = 129  # pressures that bracket a dip and its end, even in √p: finer than any fold of a law
@@ -54,18 +54,8 @@ class Transition(NamedTuple):
 
 
 def added_force(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2) -> Batch:
-    """Force that a unit adds as it is pressurized, negative below its onset, equation (X1).
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `pressure`: the unit's gauge pressure [Pa].
-    - `strain`: the bundle's contraction [-]; broadcasts against `pressure`.
-    - `unit`: number of the unit, counted from 1.
-
-    **Returns:** $g$ [N], negative below the onset.
-
-    **Raises:** `InvalidInputError` for a unit that doesn't exist, and values off the domain.
+    """Force $g$ [N] that a `unit` of the `bundle`, counted from 1, adds at its gauge `pressure`
+    [Pa] and a `strain` of the bundle [-], (X1); `InvalidInputError` for values off the domain.
     """
     check_unit(bundle, unit, first=1)
     P = check_interval(pressure, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", (True, True))
@@ -75,20 +65,11 @@ def added_force(bundle: Bundle, pressure: Values, strain: Values, unit: int = 2)
 def transition(
     bundle: Bundle, strain: Values, unit: int = 2, supply_pressure: Values = None
 ) -> Transition:
-    """Dip of force as a unit is pressurized, where it ends, and the largest force without that
-    unit.
+    """Dip of force of a `bundle` as its next `unit`, counted from 1, is pressurized at a `strain`
+    [-]: a `Transition` [N], [Pa] of its shape. `supply_pressure` [Pa]: left out, the bundle's own.
 
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `strain`: its contraction [-].
-    - `unit`: number of the next unit, counted from 1.
-    - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
-
-    **Returns:** a `Transition` [N], [Pa], each of `strain`'s shape.
-
-    **Raises:** `InvalidInputError` for a unit that isn't among the second to the last, and values
-    off the domain.
+    `InvalidInputError` for a unit that isn't among the second to the last, and values off the
+    domain.
     """
     check_unit(bundle, unit)
     supply = resolve_supply_pressure(bundle, supply_pressure)
@@ -111,26 +92,13 @@ def needed_reserve(
     unit: int = 2,
     supply_pressure: Values = None,
 ) -> Batch:
-    """Reserve at which a hand-over must begin, equation (X3).
-
-    **Arguments:**
-
-    - `bundle`: the bundle.
-    - `strain`: its contraction [-].
-    - `force_rate`: of the demand [N/s].
-    - `time`: duration $t_c$ of the hand-over [s], from 0.
-    - `unit`: number of the next unit, counted from 1.
-    - `supply_pressure`: the supply's [Pa]; left out, the bundle's own.
-
-    **Returns:** $\\rho$ [N]; inf if the unit gains nothing up to the supply's pressure.
-
-    **Raises:** `InvalidInputError` as `transition` does, and for a `time` below zero.
+    """Reserve [N] at which a hand-over must begin, (X3): inf if the unit gains nothing up to the
+    supply's pressure. `force_rate` of the demand [N/s], `time` $t_c$ of the hand-over [s], zero or
+    more; other arguments and errors as of `transition`: `strain` [-], `supply_pressure` [Pa].
     """
-    t_c = check_interval(time, 0.0, np.inf, "time", "s", closed=(True, False))
-    rate = check_interval(force_rate, -np.inf, np.inf, "force_rate", "N/s")
+    rise = check_finite(force_rate, "force_rate", "N/s") * check_nonnegative(time, "time", "s")
     supply = resolve_supply_pressure(bundle, supply_pressure)
     state = transition(bundle, strain, unit, supply)
-    rise = rate * t_c
     gains = np.isfinite(state.onset_pressure)
     onset = np.where(gains, state.onset_pressure, supply)
     fraction = np.linspace(0.0, 1.0, _FRACTIONS)

@@ -24,14 +24,15 @@ the joint the way the agonist pulls. **Source:** derived here.
 """
 
 from enum import IntEnum
+from functools import partial
 from typing import NamedTuple
 
 import attrs
 import numpy as np
 from scipy.optimize import elementwise
 
-from ..bundle import Bundle, MotorUnit
-from ..core.errors import InvalidInputError
+from ..bundle import Bundle
+from ..bundle.bundle import as_bundle
 from ..core.types import Numbers, Values, Whole
 from ..core.validation import (
     HIGHEST_PRESSURE,
@@ -41,7 +42,6 @@ from ..core.validation import (
     check_positive,
 )
 from ..fluid.fields import ROOM_PRESSURE
-from ..muscle import Muscle
 from .dip import unit_strain
 
 
@@ -72,13 +72,7 @@ class JointPressures(NamedTuple):
     status: Whole
 
 
-def _bundle(value: Muscle | Bundle) -> Bundle:
-    """A bundle, or a muscle as one."""
-    if isinstance(value, Muscle):
-        return Bundle([MotorUnit(value)])
-    if not isinstance(value, Bundle):
-        raise InvalidInputError("agonist and antagonist", "must be a Muscle or a Bundle", value)
-    return value
+_as_bundle = partial(as_bundle, name="agonist and antagonist")
 
 
 @attrs.frozen
@@ -92,27 +86,20 @@ class Joint:
     The highest pressure is the lower of both bundles' supply pressures, 1 MPa without one.
     """
 
-    agonist: Bundle = attrs.field(converter=_bundle)
-    antagonist: Bundle = attrs.field(converter=_bundle)
+    agonist: Bundle = attrs.field(converter=_as_bundle)
+    antagonist: Bundle = attrs.field(converter=_as_bundle)
     moment_arm: float = attrs.field(converter=lambda r: float(check_positive(r, "moment_arm", "m")))
     strain: float = attrs.field(
         default=0.0, converter=lambda x: float(check_finite(x, "strain", "-"))
     )
 
     def pressures(self, angle: Values, torque: Values, stiffness: Values) -> JointPressures:
-        """Pressures that give a torque and a stiffness at an angle, (K9).
+        """Pressures that give a demanded `torque` [N·m] and `stiffness` [N·m/rad] with open valves
+        at an `angle` [rad], (K9); the three broadcast.
 
-        **Arguments:**
-
-        - `angle`: of the joint [rad].
-        - `torque`: demanded [N·m].
-        - `stiffness`: demanded, with open valves [N·m/rad]; the three broadcast.
-
-        **Returns:** `JointPressures`. Where a demand is out of reach, those of the nearest
-        stiffness at this torque, or else of the nearest torque.
-
-        **Raises:** `InvalidInputError` for values that aren't finite, and an angle at which a
-        muscle leaves its domain.
+        Where a demand is out of reach, those of the nearest stiffness at this torque, or else of
+        the nearest torque. `InvalidInputError` for values that aren't finite, and an angle at which
+        a muscle leaves its domain.
         """
         rows = np.broadcast_arrays(
             check_finite(angle, "angle", "rad"),
@@ -125,18 +112,15 @@ class Joint:
         excess = self._excess(nodes, *demand)
         feasible, batch = np.isfinite(excess), np.arange(theta.size)
         crosses = excess[:-1] * excess[1:] <= 0  # false beside a NaN
-        reached, k = crosses.any(axis=0), np.argmax(crosses, axis=0)
+        crossed, k = crosses.any(axis=0), np.argmax(crosses, axis=0)
         bracket = nodes[k, batch], nodes[k + 1, batch]
         root = elementwise.find_root(self._excess, bracket, args=demand).x
         nearest = np.argmin(np.where(feasible, np.abs(excess), np.inf), axis=0)
-        P1 = np.where(reached, root, nodes[nearest, batch])
+        P1 = np.where(crossed, root, nodes[nearest, batch])
         P2 = self._antagonist_pressure(P1, theta, tau)
-        status = np.where(
-            excess[nearest, batch] < 0,
-            JointStatus.STIFFNESS_TOO_HIGH,
-            JointStatus.STIFFNESS_TOO_LOW,
-        )
-        status = np.where(reached, JointStatus.REACHED, status)
+        wrong = JointStatus.STIFFNESS_TOO_HIGH, JointStatus.STIFFNESS_TOO_LOW
+        status = np.where(excess[nearest, batch] < 0, *wrong)
+        status = np.where(crossed, JointStatus.REACHED, status)
         # a torque that no pair of pressures gives: one of them full, the other empty
         unreachable, full = ~feasible.any(axis=0), np.where(tau > 0, self._top, 0.0)
         status = np.where(unreachable, JointStatus.TORQUE_OUT_OF_REACH, status)
@@ -147,18 +131,9 @@ class Joint:
     def stiffness(
         self, agonist: Values, antagonist: Values, angle: Values, valves: str = "open"
     ) -> Numbers:
-        """Stiffness at pressures and an angle.
-
-        **Arguments:**
-
-        - `agonist`, `antagonist`: their gauge pressures [Pa].
-        - `angle`: of the joint [rad]; the three broadcast.
-        - `valves`: "open", at constant pressures, or "shut": the gas in the muscles is kept, at the
-          temperature of the room.
-
-        **Returns:** stiffness [N·m/rad].
-
-        **Raises:** `InvalidInputError` for values off the domain.
+        """Stiffness [N·m/rad] at gauge pressures of `agonist` and `antagonist` [Pa] and an `angle`
+        [rad]; the three broadcast. `valves`: "open", at constant pressures, or "shut": the gas in
+        the muscles stays, at the temperature of the room. Raises as `pressures`.
         """
         check_choice(valves, ("open", "shut"), "valves")
         pressures = (
@@ -215,15 +190,13 @@ class Joint:
         """Pressure of the antagonist [Pa] with which a pressure of the `agonist` [Pa] gives a
         `torque` [N·m] at an `angle` [rad]; NaN if none does.
         """
-
-        def excess(pressure: Numbers, agonist: Numbers, angle: Numbers, torque: Numbers) -> Numbers:
-            return self._excess_torque(agonist, pressure, angle, torque)
-
         arguments = np.broadcast_arrays(agonist, angle, torque)
         # an empty muscle pulls at least as much as a dip, so that the root on the rising branch is
         # the only one
         ends = 0.0 * arguments[0], 0.0 * arguments[0] + self._top
-        return elementwise.find_root(excess, ends, args=arguments).x
+        return elementwise.find_root(
+            lambda P2, P1, *demand: self._excess_torque(P1, P2, *demand), ends, args=arguments
+        ).x
 
     def _excess_torque(
         self, agonist: Numbers, antagonist: Numbers, angle: Numbers, torque: Numbers
@@ -276,9 +249,8 @@ def _gas_stiffness(bundle: Bundle, pressure: Numbers, strain: Numbers) -> Number
     # a shortening does work on the gas: the slope of the volume by it is that of the force by
     # pressure, with the other sign
     P = np.maximum(pressure, _STEP)
-    by_pressure = (_pull(bundle, P + _STEP, strain)[0] - _pull(bundle, P - _STEP, strain)[0]) / (
-        2 * _STEP
-    )
+    forces = [_pull(bundle, P + side * _STEP, strain)[0] for side in (-1, 1)]
+    by_pressure = (forces[1] - forces[0]) / (2 * _STEP)
     compliance = (volume(P + _STEP) - volume(P - _STEP)) / (2 * _STEP)
     absolute = pressure + ROOM_PRESSURE
     return by_pressure**2 * absolute / (volume(pressure) + absolute * compliance)

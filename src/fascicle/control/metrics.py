@@ -74,15 +74,8 @@ class Reachability(NamedTuple):
 
 
 def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> ControlMetrics:
-    """Compute the metrics of a controlled run: tracking, dips, and supply.
-
-    **Arguments:**
-
-    - `controller`: the run's.
-    - `run`: one run [SI].
-    - `reference`: demand at each step [SI].
-
-    **Raises:** `InvalidInputError` for a reference of another length.
+    """Metrics of a `run` by a `controller` with a demand at each step, the `reference` [SI], which
+    is refused if it has another length; energies are in [J], forces in [N].
     """
     outputs = run.outputs
     target = np.asarray(reference, float)
@@ -97,21 +90,12 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
     dt = float(run.time[1] - run.time[0])
     spent = np.asarray(run.ledger)[:, LEDGER.index("supplied")]
     dip, recruited = _dip_and_recruitments(controller, run)
-    return ControlMetrics(
-        drawdown=drawdown(y, target, can),
-        dip=dip,
-        rms=float(np.sqrt(np.sum(error**2) / max(1, int(can.sum())))),
-        largest_error=float(np.max(np.abs(error))),
-        lag=_lag_steps(y, target, can) * float(controller.dt),
-        supply_energy=float(spent[-1] - spent[0]),
-        fluid=float(np.maximum(np.asarray(outputs.drawn)[:-1], 0.0).sum() * dt),
-        recruited=recruited,
-        unreachable=len(out_of_reach),
-        moments=len(can),
-        first=float(first),
-        last=float(last),
-        short=float(np.max(reach.shortfall)),
-    )
+    rms = float(np.sqrt(np.sum(error**2) / max(1, int(can.sum()))))
+    errors = rms, float(np.max(np.abs(error))), _lag_steps(y, target, can) * float(controller.dt)
+    fluid = float(np.maximum(np.asarray(outputs.drawn)[:-1], 0.0).sum() * dt)
+    costs = float(spent[-1] - spent[0]), fluid, recruited
+    missed = len(out_of_reach), len(can), float(first), float(last), float(np.max(reach.shortfall))
+    return ControlMetrics(drawdown(y, target, can), dip, *errors, *costs, *missed)
 
 
 def controlled_output(controller: Cascade, run: Trajectory) -> Numbers:
@@ -194,13 +178,8 @@ def _lag_steps(y: Numbers, target: Numbers, counted: Marks) -> int:
 
 
 def pareto_front(dips: Values, energies: Values) -> Marks:
-    """Mask of the runs on the Pareto front of dip and energy: no other run is better in one of them
-    without being worse in the other.
-
-    **Arguments:**
-
-    - `dips`: of each run, or its drawdown [SI].
-    - `energies`: of each run [J].
+    """Mask of the runs on the Pareto front of dip or drawdown [SI] and energy [J] of each run: no
+    other run is better in one of them without being worse in the other.
     """
     costs = np.stack([np.asarray(dips, float), np.asarray(energies, float)], axis=-1)
     tolerance = _EQUAL * np.max(np.abs(costs), axis=0)

@@ -39,14 +39,13 @@ band.
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, where
 from ..core.module import Module
 from ..core.types import Batch, Numbers
-from ..core.validation import check_positive
 from .units import SLACK, ControlledUnits, UnitCapability, UnitDemand, select_unit, share_demand
 
 
@@ -73,12 +72,9 @@ class SequentialPolicy(Module):
     their onset.
     """
 
+    begin: ClassVar = np.float64(1.0)
     band: Batch
     parks: Batch
-
-    def begin(self, units: ControlledUnits) -> Batch:
-        """One unit."""
-        return 1.0 + 0.0 * units.counts[0]
 
     def __call__(
         self, memory: Batch, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability
@@ -104,11 +100,8 @@ class BatchPolicy(Module):
     is lower than their force by a `band` [N]; its memory is their number.
     """
 
+    begin: ClassVar = np.float64(1.0)
     band: Batch
-
-    def begin(self, units: ControlledUnits) -> Batch:
-        """One unit."""
-        return 1.0 + 0.0 * units.counts[0]
 
     def __call__(
         self, memory: Batch, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability
@@ -163,13 +156,9 @@ class HandOverPolicy(Module):
     `band` [N] of the demand, by which a unit is vented later; `tolerance` $\\delta$ of a dip [-].
     """
 
+    begin: ClassVar = HandOverState(*np.array([1.0, 0.0, 0.0]))
     band: Batch
-    tolerance: Batch
-
-    def begin(self, units: ControlledUnits) -> HandOverState:
-        """Initial memory of the policy for `units`."""
-        zero = 0.0 * units.counts[0]
-        return HandOverState(zero + 1.0, zero, zero)
+    tolerance: Batch = np.float64(TOLERANCE)
 
     def __call__(
         self,
@@ -191,26 +180,21 @@ class HandOverPolicy(Module):
         path = self._path(units, demand, capability, parked, k, memory.direction < 0)
         walking = fraction > 0
         # a demand that has not risen is followed: less force would be a dip as well
-        excess = path.ahead - path.reserve
         risen = memory.withheld + demand.rate * demand.dt
-        withheld = where(
-            walking & (memory.direction > 0), maximum(minimum(excess, risen), 0.0), 0.0
-        )
+        withheld = maximum(minimum(path.ahead - path.reserve, risen), 0.0)
+        withheld = where(walking & (memory.direction > 0), withheld, 0.0)
         demand = demand._replace(force=demand.force - withheld)
         reserve = path.reserve + withheld
         # up to the deepest point, while the reserve is more than the dip
-        way = path.deepest / path.speed
-        needed = path.dip + rate * (way + demand.lag)
+        needed = path.dip + rate * (path.deepest / path.speed + demand.lag)
         begins = path.adds_force & (reserve <= needed) & (reserve >= path.dip)
-        late = path.adds_force & (
-            select_unit(_unit(indices, k - 1), capability.largest) < demand.force
-        )
+        largest = select_unit(_unit(indices, k - 1), capability.largest)
+        late = path.adds_force & (largest < demand.force)
         back = self._path(units, demand, capability, parked, k - 1, True)
         released = back.dip + rate * (back.deepest / back.speed + demand.lag) + self.band
         down = (k > 1) & ~walking & (back.reserve > released)
-        direction = where(
-            begins | late, 1.0, where(down, -1.0, where(walking, memory.direction, 0.0))
-        )
+        direction = where(down, -1.0, where(walking, memory.direction, 0.0))
+        direction = where(begins | late, 1.0, direction)
         # as fast as the demand makes it, if need be
         left = maximum(reserve - path.dip, 1e-9)  # N: no division by zero
         hurry = maximum(path.deepest - fraction, 0.0) * rate / left
@@ -270,10 +254,9 @@ class HandOverPolicy(Module):
         reserve = select_unit(last, capability.largest - capability.shortfall) - demand.force
         adds_force = select_unit(next_, where(capability.adds_force, 1.0, 0.0)) > 0
         deepest = minimum(select_unit(next_, capability.dip_pressure) / length, 1.0)
-        floor = 1e-3  # 1/s: a path takes a quarter of an hour at most
-        return _Path(
-            reserve, dip, ahead, deepest, maximum(speed, floor), maximum(fastest, floor), adds_force
-        )
+        # 1/s: a path takes a quarter of an hour at most
+        speeds = (maximum(x, 1e-3) for x in (speed, fastest))
+        return _Path(reserve, dip, ahead, deepest, *speeds, adds_force)
 
 
 def _unit(indices: Numbers, index: Batch) -> Numbers:
@@ -281,31 +264,10 @@ def _unit(indices: Numbers, index: Batch) -> Numbers:
     return where(indices == index, 1.0, 0.0)
 
 
-def orderly(band: Any = None) -> SequentialPolicy:
-    """Policy `orderly`; it ignores the `band` [N]."""
-    del band
-    return SequentialPolicy(*np.zeros(2))
-
-
-def threshold(band: Any) -> SequentialPolicy:
-    """Policy `threshold` with a `band` [N]."""
-    return SequentialPolicy(check_positive(band, "band", "N"), np.float64(1.0))
-
-
-def batch(band: Any) -> BatchPolicy:
-    """Policy `batch` with a `band` [N]."""
-    return BatchPolicy(check_positive(band, "band", "N"))
-
-
-def hand_over(band: Any, tolerance: float = TOLERANCE) -> HandOverPolicy:
-    """Policy `hand_over` with a `band` [N] and a tolerance [-]."""
-    return HandOverPolicy(check_positive(band, "band", "N"), np.float64(tolerance))
-
-
 Policy = SequentialPolicy | BatchPolicy | HandOverPolicy
-POLICIES: Mapping[str, Callable[[Any], Policy]] = {
-    "orderly": orderly,
-    "batch": batch,
-    "threshold": threshold,
-    "hand_over": hand_over,
+POLICIES: Mapping[str, Callable[[Batch], Policy]] = {  # of a band [N]
+    "orderly": lambda _: SequentialPolicy(*np.zeros(2)),
+    "batch": BatchPolicy,
+    "threshold": lambda band: SequentialPolicy(band, np.float64(1.0)),
+    "hand_over": HandOverPolicy,
 }

@@ -33,7 +33,7 @@ from scipy.optimize import brentq, least_squares
 
 from ..core.errors import InvalidInputError
 from ..core.types import Values
-from ..core.validation import check_finite, check_interval, check_positive
+from ..core.validation import check_finite, check_nonnegative, check_positive
 
 
 _LEAST = 10  # samples after the step: more than the six numbers that are fitted
@@ -72,15 +72,8 @@ class LoopMargins(NamedTuple):
 
 
 def identify(time: Values, command: Values, pressure: Values) -> StepResponse:
-    """Identify delay and lag of a valve from its step response.
-
-    **Arguments:**
-
-    - `time`: of the samples, rising [s].
-    - `command`: to the valve [-], constant but for one step.
-    - `pressure`: measured in the unit's chamber [Pa].
-
-    **Returns:** the `StepResponse` [s].
+    """The `StepResponse` [s] of a valve: samples at each `time` [s] of its `command` [-], constant
+    but for one step, and of the `pressure` in the unit's chamber [Pa].
 
     **Raises:** `InvalidInputError` for rows of unequal length, times that don't rise, a command
     without a step or with several, fewer than ten samples after it, and a pressure that doesn't
@@ -150,21 +143,13 @@ def _fit(elapsed: np.ndarray, pressure: np.ndarray, degree: int) -> StepResponse
 
 
 def loop_margins(pressure_time: Values, lag: Values, delay: Values) -> LoopMargins:
-    """Gain and phase margin of a pressure loop, (K8).
-
-    **Arguments:**
-
-    - `pressure_time`: time constant $\\tau$ of the loop [s].
-    - `lag`: of the valve [s], zero or more.
-    - `delay`: of measurement and samples together [s], zero or more.
-
-    **Returns:** the margins; a gain margin of inf without a delay.
-
-    **Raises:** `InvalidInputError` for times below zero.
+    """Gain margin [-], inf without a delay, and phase margin [rad] of a pressure loop, (K8), with
+    the time constant $\\tau$ `pressure_time` [s], the valve's `lag` [s], and the `delay` [s] of
+    measurement and samples together; `InvalidInputError` for times below zero.
     """
     tau = float(check_positive(pressure_time, "pressure_time", "s"))
-    tau_v = float(check_interval(lag, 0.0, np.inf, "lag", "s", closed=(True, False)))
-    theta = float(check_interval(delay, 0.0, np.inf, "delay", "s", closed=(True, False)))
+    tau_v = float(check_nonnegative(lag, "lag", "s"))
+    theta = float(check_nonnegative(delay, "delay", "s"))
     # |L| = 1: a quadratic in the frequency's square, in a form that is exact without a lag
     crossover = np.sqrt(2 / tau**2 / (1 + np.sqrt(1 + 4 * (tau_v / tau) ** 2)))
     phase = np.pi / 2 - crossover * theta - np.arctan(crossover * tau_v)

@@ -96,16 +96,11 @@ class PlantValves(AbstractValves):
     @classmethod
     def of(cls, plant: Plant) -> tuple["PlantValves", ...]:
         """Valves of each motor unit of a `plant`, in its order."""
+        n, pressure = plant.units, plant.supply_pressure
         temperature = float(plant.supply.temperature_at(plant.supply.initial_state()))
-        return tuple(
-            cls(
-                select_units(plant.chamber, i, plant.units),
-                select_units(plant.valve, i, plant.units),
-                plant.supply_pressure,
-                temperature,
-            )
-            for i in range(plant.units)
-        )
+        chambers = (_select_units(plant.chamber, i, n) for i in range(n))
+        valves = (_select_units(plant.valve, i, n) for i in range(n))
+        return tuple(cls(*x, pressure, temperature) for x in zip(chambers, valves, strict=True))
 
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
         return self.chamber.state_at(pressure, volume)[..., 0]
@@ -118,12 +113,9 @@ class PlantValves(AbstractValves):
 
 def valves_of_units(valves: Any, units: int) -> tuple[AbstractValves, ...]:
     """Valves of each of so many `units`; `valves`: a plant, one for all units, or a list."""
-    if isinstance(valves, Plant):
-        per_unit: tuple[Any, ...] = PlantValves.of(valves)
-    elif isinstance(valves, AbstractValves):
-        per_unit = (valves,) * units
-    else:
-        per_unit = tuple(valves) if isinstance(valves, Sequence) else (valves,)
+    per_unit: Any = PlantValves.of(valves) if isinstance(valves, Plant) else valves
+    if not isinstance(per_unit, Sequence):
+        per_unit = (per_unit,) * units
     for valve in per_unit:
         if not isinstance(valve, AbstractValves):
             rule = "must be GasValves, OilValves, a Plant, or a list of one for each unit"
@@ -131,13 +123,11 @@ def valves_of_units(valves: Any, units: int) -> tuple[AbstractValves, ...]:
     if len(per_unit) != units:
         rule = f"must be one for each of the {units} motor units"
         raise InvalidInputError("valves", rule, len(per_unit))
-    return per_unit
+    return tuple(per_unit)
 
 
-def select_units(component: Module, index: Any, units: int) -> Any:
-    """Copy of a plant's `component` with the numbers of the units of an `index` alone; `units`: the
-    plant's number of units.
-    """
+def _select_units(component: Module, index: Any, units: int) -> Any:
+    """Copy of a `component` of a plant with so many `units`, with those of an `index` alone."""
     return jax.tree.map(
         lambda x: np.asarray(x)[..., index] if np.shape(x)[-1:] == (units,) else x, component
     )
@@ -161,23 +151,12 @@ class ControlledUnits(Module):
     @classmethod
     def from_plant(cls, plant: Plant, side: int) -> "ControlledUnits":
         """Model of the units of the bundle `side` of a `plant`, counted from 0."""
-        bundle, top = plant.bundles[side], plant.supply_pressure
-        key = "control.units", top
-        if key not in bundle.cache:
-            bundle.cache[key] = Branches.of(bundle, top)
+        branches = Branches.of(plant.bundles[side], plant.supply_pressure)
         indices = plant.unit_indices(side)
-        chamber, valve, exhaust = (
-            select_units(component, indices, plant.units)
-            for component in (plant.chamber, plant.valve, plant.exhaust_valve)
-        )
-        return cls(
-            bundle.cache[key],
-            plant.counts[indices],
-            chamber,
-            valve,
-            exhaust,
-            np.float64(plant.supply.temperature_at(plant.supply.initial_state())),
-        )
+        parts = (plant.chamber, plant.valve, plant.exhaust_valve)
+        selected = (_select_units(part, indices, plant.units) for part in parts)
+        temperature = plant.supply.temperature_at(plant.supply.initial_state())
+        return cls(branches, plant.counts[indices], *selected, np.float64(temperature))
 
     @property
     def count(self) -> int:
@@ -202,7 +181,7 @@ class ControlledUnits(Module):
 
 
 class UnitDemand(NamedTuple):
-    """Demand on the units of a bundle in one step of a controller.
+    """Demand on a bundle in one step of a controller.
 
     `force` [N] and its `rate` [N/s]; `strains` of the units [-] and their `pressures` [Pa], which
     follow the `supply`'s [Pa] after a `lag` [s]; `correction`: time in which the controller sees
@@ -261,36 +240,14 @@ def evaluate_capability(units: ControlledUnits, demand: UnitDemand) -> UnitCapab
     # floors against division by zero: a valve without flow fills no unit
     time, vent = content / maximum(flow, 1e-12), content / maximum(out, 1e-12)
     level = minimum(maximum(demand.pressures, 0.0), _CHORD * top)
-    climb = _climb_time(units, demand, level, CLOSE * top)
+    climb = level + _LEGS[:, None] * (CLOSE * top - level)
+    contents = units.fluid_mass(climb, eps)
+    flow, _ = units.valve_flows((climb[1:] + climb[:-1]) / 2, demand.supply + zero)
+    legs = maximum(contents[1:] - contents[:-1], 0.0) / maximum(flow, 1e-12)
     rise = maximum(full - shortfall - n * units.branches.force(level, eps), 0.0)
-    growth = rise / maximum(climb, 1e-9)  # s: without a supply above it a unit takes no time
-    return UnitCapability(
-        full,
-        empty,
-        adds_force,
-        onset,
-        n * depth,
-        dip_pressure,
-        largest,
-        time,
-        vent,
-        growth,
-        shortfall,
-    )
-
-
-def _climb_time(
-    units: ControlledUnits, demand: UnitDemand, level: Numbers, end: Numbers
-) -> Numbers:
-    """Time [s] in which each unit's pressure rises from a `level` to an `end` [Pa] with its valve
-    wide open.
-    """
-    ends = level + _LEGS[:, None] * (end - level)
-    content = units.fluid_mass(ends, demand.strains)
-    flow, _ = units.valve_flows((ends[1:] + ends[:-1]) / 2, demand.supply + 0.0 * level)
-    # a valve without flow fills no unit
-    legs = maximum(content[1:] - content[:-1], 0.0) / maximum(flow, 1e-12)
-    return array_namespace(legs).sum(legs, axis=0)
+    growth = rise / maximum(xp.sum(legs, axis=0), 1e-9)  # s: without a supply it takes no time
+    dip = (onset, n * depth, dip_pressure)
+    return UnitCapability(full, empty, adds_force, *dip, largest, time, vent, growth, shortfall)
 
 
 def share_demand(
@@ -308,14 +265,12 @@ def share_demand(
     """
     xp, n, branches = array_namespace(demand.strains), units.counts, units.branches
     at_low = n * branches.force(low if throttled is None else throttled, demand.strains)
-    at_high = where(
-        capability.adds_force, n * branches.force(high, demand.strains), capability.empty
-    )
-    at_high = maximum(at_high, at_low)
+    at_high = n * branches.force(high, demand.strains)
+    at_high = maximum(where(capability.adds_force, at_high, capability.empty), at_low)
     before = xp.cumsum(at_high, axis=-1) - at_high
     after = xp.sum(at_low, axis=-1, keepdims=True) - xp.cumsum(at_low, axis=-1)
-    result = branches.pressure((demand.force - before - after) / n, demand.strains)
-    return minimum(maximum(result.pressure, low), high)
+    pressures = branches.pressure((demand.force - before - after) / n, demand.strains)
+    return minimum(maximum(pressures, low), high)
 
 
 def select_unit(index: Numbers, values: Numbers) -> Batch:

@@ -13,7 +13,7 @@ from jax import lax
 from jax.lax import stop_gradient
 
 from ..jax import jax
-from .array_namespace import where
+from .array_namespace import array_namespace, where
 from .roots import STEPS, Residual, init_search, polish_root, safe_slope, search_step
 from .types import Batch, BatchLike, BoolBatch
 
@@ -33,6 +33,15 @@ def call_numpy(function: Callable[..., Any], result: Any, *arguments: Any) -> An
         return jax.tree.map(lambda x, spec: np.asarray(x, spec.dtype), function(*values), result)
 
     return jax.pure_callback(call, result, *stop_gradient(arguments), vmap_method="sequential")
+
+
+def iterate(step: Callable[[Batch], Batch], x: Batch, times: int) -> Batch:
+    """Apply a `step` to `x` [any unit] so many `times`; in JAX a loop, compiled once."""
+    if array_namespace(x) is not np:
+        return lax.fori_loop(0, times, lambda _, x: step(x), x)
+    for _ in range(times):
+        x = step(x)
+    return x
 
 
 def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:

@@ -82,6 +82,11 @@ def check_positive(value: Values, name: str, unit: str, remedy: str = "") -> Bat
     return check_interval(value, 0.0, math.inf, name, unit, remedy=remedy)
 
 
+def check_nonnegative(value: Values, name: str, unit: str) -> Batch:
+    """Return `value` as floats, NumPy's, if it is finite and not below zero."""
+    return check_interval(value, 0.0, math.inf, name, unit, closed=(True, False))
+
+
 def check_finite(value: Values, name: str, unit: str) -> Batch:
     """Return `value` as floats, NumPy's, if it is neither NaN nor infinite."""
     return check_interval(value, -math.inf, math.inf, name, unit)

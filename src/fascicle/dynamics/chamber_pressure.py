@@ -32,6 +32,7 @@ import numpy as np
 from jax import lax
 
 from ..core.array_namespace import absolute, array_namespace, maximum
+from ..core.jax_backend import iterate
 from ..core.roots import guarded
 from ..core.types import Batch, BoolBatch, Numbers
 from ..fluid import AbstractChamber
@@ -140,17 +141,11 @@ def solve_pressures(
     """
     lowest = plant.chamber.lowest_pressure
 
-    def newton(P: Numbers, _: None) -> tuple[Numbers, None]:
+    def newton(P: Numbers) -> Numbers:
         at = evaluate_chambers(plant, chambers, strains, P)
-        step = at.newton_step(at.slope)
-        return maximum(P + step, (P + lowest) / 2), None  # half-way to no fluid at most
+        return maximum(P + at.newton_step(at.slope), (P + lowest) / 2)  # half-way to no fluid
 
-    if array_namespace(chambers, strains, guess) is np:
-        for _ in range(steps):
-            guess, _ = newton(guess, None)
-        return guess
-    # a loop, which is compiled once
-    return lax.scan(newton, guess, length=steps)[0]
+    return iterate(newton, guess + 0.0 * (chambers[..., 0] + strains), steps)
 
 
 class ProjectedChambers(NamedTuple):

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..bundle import Bundle, MotorUnit
+from ..bundle import Bundle
+from ..bundle.bundle import as_bundle
 from ..bundle.pressurized import muscle_strain, plate_strain
 from ..core.errors import InvalidInputError
 from ..core.validation import LARGEST_STRAIN, is_concrete
@@ -56,11 +57,9 @@ def check_c_name(name: str) -> str:
     return name
 
 
-def as_bundle(target: Muscle | Bundle, kinds: str = "a Muscle or a Bundle") -> Bundle:
-    """The target as a bundle, if it is of these `kinds` and holds numbers instead of arrays."""
-    if not isinstance(target, Muscle | Bundle):
-        raise InvalidInputError("target", f"must be {kinds}", target)
-    bundle = target if isinstance(target, Bundle) else Bundle([MotorUnit(target)])
+def concrete_bundle(target: Muscle | Bundle) -> Bundle:
+    """The target as a bundle, if it holds numbers instead of arrays."""
+    bundle = as_bundle(target, "target")
     if not is_concrete(target) or any(not unit.muscle.is_single for unit in bundle.motor_units):
         rule = "must hold numbers, one for each size"
         raise InvalidInputError("target", rule, None, shown="arrays")

@@ -34,9 +34,9 @@ from ..io.atomic import write_text
 from ..muscle import Muscle
 from ..muscle.table import MuscleTable, force_error_by_strain, volume_errors
 from .c_files import (
-    as_bundle,
     c_array,
     check_c_name,
+    concrete_bundle,
     length_ratios,
     render_template,
     table_strains,
@@ -209,7 +209,7 @@ def tabulate(
         plant = controller.plant
         top = np.max(plant.muscles.highest_pressure)
         return tabulate(plant.bundles[0], precision, top, shape)._replace(controller=controller)
-    bundle = as_bundle(target, "a Muscle or a Bundle, or a Cascade")
+    bundle = concrete_bundle(target)
     units = bundle.motor_units
     if highest_pressure is None:
         supply = bundle.supply_pressure

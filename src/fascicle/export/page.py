@@ -20,7 +20,7 @@ from ..core.errors import InvalidInputError, require
 from ..core.validation import HIGHEST_PRESSURE
 from ..io.atomic import write_text
 from ..muscle import Muscle, MuscleTable
-from .c_files import as_bundle
+from .c_files import concrete_bundle
 from .c_table import nodes, tabulate
 
 
@@ -46,7 +46,7 @@ def page_text(
 
     from ..plot.theme import DARK, LIGHT, SANS, css
 
-    bundle = as_bundle(target)
+    bundle = concrete_bundle(target)
     values = _page_values(bundle, title, pressures)
     theme = {"light": _theme(LIGHT), "dark": _theme(DARK)}
     data = values.pop("data") | {"theme": theme, "font": SANS}

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .. import dynamics, fluid
-from ..bundle import Bundle, MotorUnit
+from ..bundle import Bundle
+from ..bundle.bundle import as_bundle
 from ..core.errors import InvalidInputError
 from ..core.findings import Finding
 from ..core.validation import check_choice, distinct_texts
 from ..dynamics import Plant, Schedule, State, Trajectory
 from ..fluid.flow_elements import REFERENCE_DENSITY
-from ..muscle import Muscle
 from ..table_model import validate
 from .muscle_files import from_dict, load_named, parse_file, provenance, read_file
 from .scenario_schema import DATA_SHEET, INNER, PARTS, choose_schema
@@ -254,7 +254,7 @@ def _bundles(
         if not isinstance(names, dict | None):
             raise root.error(("bundle",), "there is a [muscle], too: keep one of them.")
         inline = {key: data[key] for key in ("format", "muscle", "bundle") if key in data}
-        return [_as_bundle(from_dict(inline, source, folder))]
+        return [as_bundle(from_dict(inline, source, folder))]
     rule = 'must name a bundle or its file, such as "kim2021_bundle_1_4", or a list of two'
     rule = f"{rule}; or write [muscle] and [bundle] as in its file."
     return _named_bundles(names, root.child("bundle"), rule, folder)
@@ -268,7 +268,7 @@ def _named_bundles(
     if not names or not all(isinstance(name, str) for name in names):
         raise location.error((), rule)
     with location.error_context():
-        return [_as_bundle(load_named(name, folder)) for name in names]
+        return [as_bundle(load_named(name, folder)) for name in names]
 
 
 def _model_bundles(
@@ -285,10 +285,6 @@ def _model_bundles(
     if sizes(bundles) != sizes(model):
         raise location.error((), "must have the bundle's motor units, with muscles as long.")
     return model
-
-
-def _as_bundle(obj: Muscle | Bundle) -> Bundle:
-    return obj if isinstance(obj, Bundle) else Bundle([MotorUnit(obj)])
 
 
 def _parts(

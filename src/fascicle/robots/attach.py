@@ -9,7 +9,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..bundle import Bundle, MotorUnit
+from ..bundle import Bundle
+from ..bundle.bundle import as_bundle
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Values
 from ..core.validation import check_choice, check_finite, check_positive
@@ -95,11 +96,7 @@ def attach(
     a `name` that is taken, and a model without an actuator to replace.
     """
     check_model(spec, "spec", ("MjSpec", "MjModel"))
-    if isinstance(bundle, Muscle):
-        bundle = Bundle([MotorUnit(bundle)])
-    if not isinstance(bundle, Bundle):
-        kind = type(bundle).__name__
-        raise InvalidInputError("bundle", "must be a Bundle or a Muscle", bundle, shown=kind)
+    bundle = as_bundle(bundle)
     length = float(check_finite(rest_length, "rest_length", "m"))
     springs = stiffness if isinstance(stiffness, list | tuple | np.ndarray) else [stiffness]
     compliance = 0.0

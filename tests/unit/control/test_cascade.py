@@ -37,7 +37,7 @@ def ramp(pair):
 def start(bench, pair, ramp):
     empty = float(pair.motor_units[0].muscle.force(0.0, STRAIN))
     force = np.array([ramp[0] - empty, empty])
-    P = control.Branches.of(pair).pressure(force, np.full(2, STRAIN)).pressure
+    P = control.Branches.of(pair).pressure(force, np.full(2, STRAIN))
     return dynamics.equilibrium_state(bench, [P[0], 0.0])
 
 
