@@ -166,7 +166,7 @@ class Cascade(Module):
         zero, n = jnp.zeros(()), self.plant.units
         springs = jnp.zeros((n, self.friction.count if self.friction else 0))
         policies = jax.tree.map(jnp.asarray, tuple(policy.begin for policy in self.policies))
-        sums = (zero,) * 5
+        sums = zero, zero, zero, zero, zero
         return CascadeMemory(*sums, springs, zero, policies, jnp.zeros(n), zero)
 
     def __call__(

@@ -255,8 +255,8 @@ class HandOverPolicy(Module):
         adds_force = select_unit(next_, where(capability.adds_force, 1.0, 0.0)) > 0
         deepest = minimum(select_unit(next_, capability.dip_pressure) / length, 1.0)
         # 1/s: a path takes a quarter of an hour at most
-        speeds = (maximum(x, 1e-3) for x in (speed, fastest))
-        return _Path(reserve, dip, ahead, deepest, *speeds, adds_force)
+        speed, fastest = maximum(speed, 1e-3), maximum(fastest, 1e-3)
+        return _Path(reserve, dip, ahead, deepest, speed, fastest, adds_force)
 
 
 def _unit(indices: Numbers, index: Batch) -> Numbers:

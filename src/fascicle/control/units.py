@@ -154,9 +154,9 @@ class ControlledUnits(Module):
         branches = Branches.of(plant.bundles[side], plant.supply_pressure)
         indices = plant.unit_indices(side)
         parts = (plant.chamber, plant.valve, plant.exhaust_valve)
-        selected = (_select_units(part, indices, plant.units) for part in parts)
-        temperature = plant.supply.temperature_at(plant.supply.initial_state())
-        return cls(branches, plant.counts[indices], *selected, np.float64(temperature))
+        chamber, valve, exhaust = (_select_units(part, indices, plant.units) for part in parts)
+        temperature = np.float64(plant.supply.temperature_at(plant.supply.initial_state()))
+        return cls(branches, plant.counts[indices], chamber, valve, exhaust, temperature)
 
     @property
     def count(self) -> int:
