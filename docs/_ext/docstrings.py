@@ -55,7 +55,7 @@ def labels(folder: Path) -> dict[str, str]:
     found = {}
     for page in sorted(folder.glob("*.md")):
         for match in EQUATION.finditer(page.read_text(encoding="utf-8")):
-            for tag in TAG.findall(match["body"]):
+            for tag in ", ".join(TAG.findall(match["body"])).split(", "):
                 found[tag] = match["label"]
     return found
 

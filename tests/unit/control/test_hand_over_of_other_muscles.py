@@ -1,21 +1,13 @@
-"""A hand-over of muscles that its controller knows wrongly: a sample of
-`benchmarks/hand_over_random_muscles.py`.
-"""
-
-import importlib.util
-from pathlib import Path
+"""A hand-over of muscles that its controller knows wrongly: a sample of `random_muscles.py`."""
 
 import numpy as np
 import pytest
+from tests.unit.control import random_muscles
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def study():
-    path = Path(__file__).parents[3] / "benchmarks" / "hand_over_random_muscles.py"
-    spec = importlib.util.spec_from_file_location("hand_over_random_muscles", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return random_muscles
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,9 @@ Random truths: standard deviations of 10 % of Young's modulus, collapse moment a
 the wall, 2 % of the radius, 1° of the braid angle, 0.4 of the logarithm of the transition rate. The
 controller knows the nominal muscles. Air, isothermal, valves of 1e-9 m³/(s Pa) a muscle, 1 kHz;
 dips over the model's dip D, counted up to the demand that the truth can hold. Simulated: nothing
-here was measured on a bench.
-
-    python benchmarks/hand_over_random_muscles.py late|durations|shapes [truths]
+here was measured on a bench. `study(4, 0.2, 24, seed=2026)` has the numbers of the docs.
 """
 
-import sys
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -25,9 +22,6 @@ from fascicle.core.module import with_fields
 
 SUPPLY, DT, LENGTH = 413.7e3, 1e-3, 0.127
 SHAPE = (81, 121)  # of the muscles' tables: a quarter of the memory, and as good for a dip
-CASES = ((1, 0.15), (1, 0.2), (4, 0.15), (4, 0.2))
-LAG = 20e-3  # s, of late valves, which the controller knows
-REPORT = 2026  # seed of the docs' tables
 NOMINAL = fs.example("kim2021_figure_6").replace(material=fs.materials.SILICONE_KIM2021)
 
 
@@ -195,65 +189,3 @@ def study(
         force, _, air = fleet.run(controllers, demand)
         results[policy] = result(force, air)
     return results
-
-
-def forecast(count: int, strain: float, shape: str, duration: float) -> str:
-    """Cell: if `crossing` finds a hand-over of the nominal muscles."""
-    model = make_plant(NOMINAL, count, strain)
-    first = float(control.transition(model.bundles[0], strain).largest_force)
-    demand = make_demand(shape, duration, first)
-    path = control.Path.of(DT * np.arange(len(demand)), demand, strain)
-    return "yes" if control.crossing(model.bundles[0], path, model).exists else "no"
-
-
-def _quantiles(values: np.ndarray) -> str:
-    """Median, 90 % and worst, as cells."""
-    return " | ".join(f"{x:.2f}" for x in np.quantile(values, (0.5, 0.9, 1.0)))
-
-
-def _dips(result: Result) -> str:
-    """Cells: all dips; of the truths that can cross at rest, how many and 90 % of their dips."""
-    return f"{_quantiles(result.dip)} | {int(np.sum(result.least == 0))} | {_possible(result)}"
-
-
-def _possible(result: Result) -> str:
-    """Cell: 90 % of the dips of the truths that can cross at rest."""
-    return f"{np.quantile(result.dip[result.least == 0], 0.9):.2f}"
-
-
-def _print_row(label: str, result: dict[str, Any]) -> None:
-    """A row: dips of `hand_over` and `threshold`, and air."""
-    handed, plain = result["hand_over"], result["threshold"]
-    air = 100 * np.median(handed.air / plain.air - 1)
-    print(f"| {label} | {_dips(handed)} | {np.median(plain.dip):.2f} | {air:+.1f} % |", flush=True)
-
-
-def main(table: str, truths: int) -> None:
-    """Print a table of the docs."""
-    if table == "late":
-        for count, strain in CASES:
-            result = study(count, strain, truths, LAG, seed=REPORT)
-            _print_row(f"1 + {count} | {strain:.2f}", result)
-    elif table == "durations":
-        for count, strain in CASES:
-            for duration in (0.3, 1.0, 4.0, 12.0):
-                cells = forecast(count, strain, "ramp", duration)
-                result = study(count, strain, truths, duration=duration, seed=REPORT)
-                dips, plain = result["hand_over"], np.median(result["threshold"].dip)
-                row = f"| 1 + {count} | {strain:.2f} | {duration:g} s | {cells} |"
-                print(f"{row} {_dips(dips)} | {plain:.2f} |", flush=True)
-    else:
-        for count, strain in CASES:
-            shapes = [("down", 4.0), *(("sine", 1 / f) for f in (0.2, 0.5, 1.0))]
-            for shape, duration in shapes:
-                result = study(count, strain, truths, duration=duration, shape=shape, seed=REPORT)
-                dips, plain = result["hand_over"], result["threshold"]
-                label = "4 s up, 4 s down" if shape == "down" else f"sine of {1 / duration:g} Hz"
-                air = 100 * np.median(dips.air / plain.air - 1)
-                cells = forecast(count, strain, shape, duration)
-                row = f"| 1 + {count} | {strain:.2f} | {label} | {cells} | {_dips(dips)} |"
-                print(f"{row} {np.median(plain.dip):.2f} | {air:+.1f} % |", flush=True)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 24)
