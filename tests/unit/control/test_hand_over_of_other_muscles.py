@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from tests.unit.control import random_muscles
 
 
