@@ -6,17 +6,21 @@ with the choices. `fascicle.units` reads quantities strictly, since a person typ
 comes from an instrument, so `PSI`, `bar(g)`, `pct`, `Newtons` and `µm` are understood here as well.
 """
 
-import difflib
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..core.errors import InvalidInputError
+from ..table_model import did_you_mean
 from ..units import DIMENSIONS as UNITS
 from ..units import parse
 
+
+if TYPE_CHECKING:
+    from .sidecar import Sidecar
+    from .tables import Table
 
 ROLES = ("pressure", "force", "torque", "strain", "length", "displacement", "angle", "moment_arm",
          "time", "branch", "clipped")  # fmt: skip
@@ -26,162 +30,138 @@ _DIMENSIONS = dict.fromkeys(("displacement", "moment_arm", "rest_length"), "leng
     "torque": "moment"
 }
 POSITIONS = ("strain", "length", "displacement", "angle")  # the first in a table is read
-USUAL_UNITS = {
-    "pressure": "kPa", "force": "N", "length": "mm", "displacement": "mm", "time": "s",
-    "torque": "N*m", "angle": "deg", "moment_arm": "mm",
-}  # fmt: skip
+USUAL_UNITS = {"pressure": "kPa", "force": "N", "length": "mm", "displacement": "mm", "time": "s",
+               "torque": "N*m", "angle": "deg", "moment_arm": "mm"}  # fmt: skip
 
 
-def _terms(text: str) -> tuple[str, ...]:
+def words(text: str) -> tuple[str, ...]:
     """Entries of a list between commas."""
-    return tuple(map(str.strip, text.split(",")))
+    return tuple(entry.strip() for entry in text.split(","))
 
 
-TERMS = {
-    "pressure": _terms("pressure, p, press, pgauge, druck, p gauge, überdruck, pression"),
-    "force": _terms(
-        "force, f, load, tension, pull, kraft, thrust, mass, weight, masse, gewicht, standardkraft,"
-        "prüfkraft, zugkraft"
-    ),
-    "torque": _terms("torque, moment, drehmoment, tau, τ, joint torque"),
-    "strain": _terms(
-        "strain, contraction, contraction ratio, eps, epsilon, ε, kappa, shortening, kontraktion,"
-        "verkürzung, elongation, extension, dehnung, length change, change of length, verlängerung"
-    ),
-    "length": _terms("length, l, len, länge, laenge, longueur"),
-    "displacement": _terms(
-        "displacement, shortening, stroke, contraction, disp, travel, extension, elongation,"
-        "position, crosshead, x, weg, hub, verkürzung, verlängerung, kolbenweg, standardweg,"
-        "traversenweg, laser, lvdt, dehnung, length change, change of length"
-    ),
-    "angle": _terms(
-        "angle, theta, θ, phi, φ, winkel, gelenkwinkel, rotation, encoder, position, joint"
-    ),
-    "moment_arm": _terms("moment arm, arm, lever arm, lever, hebelarm"),
-    "time": _terms(
-        "time, t, elapsed, zeit, zeitstempel, uhrzeit, timestamp, prüfzeit, x value, clock, ms,"
-        "millis, sec, seconds"
-    ),
-    "branch": _terms("branch, direction, sweep, phase"),
-    "clipped": _terms("clipped, censored, saturated, slack, zero is no tension, no tension"),
-}
-# names of the two ways of a loop
-INFLATING = _terms(
-    "up, inflating, inflation, inflate, contracting, contraction, shortening, loading, forward"
-)
-DEFLATING = _terms(
-    "down, deflating, deflation, deflate, extending, extension, lengthening, unloading, backward,"
-    "return"
-)
-ABSOLUTE = set(_terms("abs, absolute, total, absolutdruck, absolue, absolut, absoluter"))
-MASSES = {"mass", "masse", "weight", "gewicht"}
+def _lists(text: str) -> dict[str, tuple[str, ...]]:
+    """Lists by name, from `name = entry, entry; name = …`."""
+    entries = (entry.partition("=") for entry in text.split(";"))
+    return {name.strip(): words(names) for name, _, names in entries}
+
+
+TERMS = _lists("""
+    pressure = pressure, p, press, pgauge, druck, p gauge, überdruck, pression;
+    force = force, f, load, tension, pull, kraft, thrust, mass, weight, masse, gewicht,
+        standardkraft, prüfkraft, zugkraft;
+    torque = torque, moment, drehmoment, tau, τ, joint torque;
+    strain = strain, contraction, contraction ratio, eps, epsilon, ε, kappa, shortening,
+        kontraktion, verkürzung, elongation, extension, dehnung, length change, change of length,
+        verlängerung;
+    length = length, l, len, länge, laenge, longueur;
+    displacement = displacement, shortening, stroke, contraction, disp, travel, extension,
+        elongation, position, crosshead, x, weg, hub, verkürzung, verlängerung, kolbenweg,
+        standardweg, traversenweg, laser, lvdt, dehnung, length change, change of length;
+    angle = angle, theta, θ, phi, φ, winkel, gelenkwinkel, rotation, encoder, position, joint;
+    moment_arm = moment arm, arm, lever arm, lever, hebelarm;
+    time = time, t, elapsed, zeit, zeitstempel, uhrzeit, timestamp, prüfzeit, x value, clock, ms,
+        millis, sec, seconds;
+    branch = branch, direction, sweep, phase;
+    clipped = clipped, censored, saturated, slack, zero is no tension, no tension""")
+_ABSOLUTE_WORDS = {*words("abs, absolute, total, absolutdruck, absolue, absolut, absoluter")}
+_MASSES = {"mass", "masse", "weight", "gewicht"}
 # these grow as the muscle lengthens
-LONGER = {"extension", "elongation", "tensile", "verlängerung"}
-SIGNALS = set(_terms("v, mv, µv, volt, volts, ma, counts, adc, lsb"))  # of a raw gauge
+_LONGER = {"extension", "elongation", "tensile", "verlängerung"}
+SIGNALS = {*words("v, mv, µv, volt, volts, ma, counts, adc, lsb")}  # of a raw gauge
 _RAW = {*SIGNALS, "raw", "voltage", "bits"}  # words in the name of a gauge's raw readings
 _MEASURED = {"ist", "act", "actual", "meas", "measured"}  # beside a setpoint: p_ist is a pressure
 # qualifiers of a column that holds something else than a quantity's readings
-QUALIFIERS = set(
-    _terms(
-        "setpoint, set, soll, target, command, commanded, reference, desired, rate, velocity,"
-        "speed, std, sd, error, uncertainty, rest, initial, nominal, rms, work, arm, lever, braid,"
-        "fiber, fibre, id, index, count, flow, stress, spannung, sigma, σ, modulus, sollwert, raw,"
-        "change, stdev, sem, deviation, variance, barometric, ambient, atmospheric, atmosphere,"
-        "atm, room, supply, luftdruck, umgebungsdruck, versorgungsdruck, tank, cmd, model, modeled,"
-        "modelled, theoretical, theory, simulated, simulation, predicted, calculated"
-    )
-)
-MICROSTRAINS = _terms("µε, με, µstrain, microstrain, µm/m")
+_QUALIFIERS = {*words(
+    "setpoint, set, soll, target, command, commanded, reference, desired, rate, velocity, speed,"
+    "std, sd, error, uncertainty, rest, initial, nominal, rms, work, arm, lever, braid, fiber,"
+    "fibre, id, index, count, flow, stress, spannung, sigma, σ, modulus, sollwert, raw, change,"
+    "stdev, sem, deviation, variance, barometric, ambient, atmospheric, atmosphere, atm, room,"
+    "supply, luftdruck, umgebungsdruck, versorgungsdruck, tank, cmd, model, modeled, modelled,"
+    "theoretical, theory, simulated, simulation, predicted, calculated"
+)}  # fmt: skip
+_MICROSTRAINS = "µε, με, µstrain, microstrain, µm/m"
 
 
-def _spellings(units: Mapping[str | float, str]) -> dict[str, str | float]:
-    """The unit of each spelling, from the spellings of each unit."""
-    return {spelling: unit for unit, text in units.items() for spelling in text.split()}
+def _spellings(text: str) -> dict[str, str]:
+    """The unit of each spelling."""
+    return {spelling: unit for unit, names in _lists(text).items() for spelling in names}
 
 
 # spellings in lower case, without ^ and with 2 for ²: of units that `fascicle.units` knows, or of
 # the SI units in one; signs and blanks in those of moments are left out
 SPELLINGS = {
-    "pressure": _spellings({
-        "Pa": "pa pascal pascals n/m2", "hPa": "hpa", "kPa": "kpa kilopascal kn/m2",
-        "MPa": "mpa n/mm2", "bar": "bar bars", "mbar": "mbar", "psi": "psi lbf/in2 lb/in2 lbs/in2",
-        "atm": "atm", "kgf/cm^2": "kgf/cm2 kg/cm2 kp/cm2", "mmHg": "mmhg", "torr": "torr",
-        "inHg": "inhg", 9806.65: "mh2o", 98.0665: "cmh2o", 9.80665: "mmh2o", 249.08891: "inh2o",
-        1e4: "n/cm2",
-    }),
-    "force": _spellings({
-        "N": "n newton newtons", "kN": "kn", "daN": "dan", "cN": "cn", "kip": "kip kips",
-        "lbf": "lbf lb lbs pound pounds lb-f pound-force", "ozf": "ozf",
-        "kgf": "kgf kp kg-f kilogram-force", "gf": "gf gram-force grams-force",
-    }),
-    "length": _spellings({
-        "m": "m meter meters metre metres", "mm": "mm millimeter millimeters millimetres",
-        "cm": "cm", "µm": "um μm", "in": 'in inch inches "', "ft": "ft",
-    }),
-    "angle": _spellings({
-        "deg": "deg ° degree degrees", "rad": "rad radian radians", "mrad": "mrad",
-    }),
-    "moment": _spellings({
-        "N*m": "nm", "mN*m": "mnm", "kN*m": "knm", "N*mm": "nmm", "N*cm": "ncm", "kgf*m": "kgfm",
-        "kgf*cm": "kgfcm kgcm", "lbf*ft": "lbfft lbft ftlb ftlbf",
-        "lbf*in": "lbfin lbin inlb inlbf", "ozf*in": "ozfin ozin",
-    }),
-    "strain": _spellings({
-        1e-2: "% percent pct prozent", 1e-3: "mm/m ‰ permille", 1e-6: " ".join(MICROSTRAINS),
-        1.0: "- 1 mm/mm m/m in/in fraction ratio dimensionless",
-    }) | {"": 1.0},
-    "time": _spellings({
-        1e-3: "ms millis msec milliseconds", 1e-6: "us µs μs", 60.0: "min minutes",
-        3600.0: "h hours",
-        # clock times are read in seconds
-        1.0: "s sec secs second seconds hh:mm:ss h:m:s mm:ss",
-    }),
-}  # fmt: skip
+    "pressure": _spellings("""Pa = pa, pascal, pascals, n/m2; hPa = hpa; MPa = mpa, n/mm2;
+        kPa = kpa, kilopascal, kn/m2; bar = bar, bars; mbar = mbar; atm = atm; mmHg = mmhg;
+        psi = psi, lbf/in2, lb/in2, lbs/in2; kgf/cm^2 = kgf/cm2, kg/cm2, kp/cm2; torr = torr;
+        inHg = inhg; 9806.65 = mh2o; 98.0665 = cmh2o; 9.80665 = mmh2o; 249.08891 = inh2o;
+        1e4 = n/cm2"""),
+    "force": _spellings("""N = n, newton, newtons; kN = kn; daN = dan; cN = cn; kip = kip, kips;
+        lbf = lbf, lb, lbs, pound, pounds, lb-f, pound-force; ozf = ozf;
+        kgf = kgf, kp, kg-f, kilogram-force; gf = gf, gram-force, grams-force"""),
+    "length": _spellings("""m = m, meter, meters, metre, metres; cm = cm; µm = um, μm; ft = ft;
+        mm = mm, millimeter, millimeters, millimetres; in = in, inch, inches, \""""),
+    "angle": _spellings("deg = deg, °, degree, degrees; rad = rad, radian, radians; mrad = mrad"),
+    "moment": _spellings("""N*m = nm; mN*m = mnm; kN*m = knm; N*mm = nmm; N*cm = ncm; kgf*m = kgfm;
+        kgf*cm = kgfcm, kgcm; lbf*ft = lbfft, lbft, ftlb, ftlbf; ozf*in = ozfin, ozin;
+        lbf*in = lbfin, lbin, inlb, inlbf"""),
+    "strain": _spellings(f"""1e-2 = %, percent, pct, prozent; 1e-3 = mm/m, ‰, permille;
+        1e-6 = {_MICROSTRAINS};
+        1 = , -, 1, mm/mm, m/m, in/in, fraction, ratio, dimensionless"""),
+    # clock times are read in seconds
+    "time": _spellings("""1e-3 = ms, millis, msec, milliseconds; 1e-6 = us, µs, μs;
+        60 = min, minutes; 3600 = h, hours;
+        1 = s, sec, secs, second, seconds, hh:mm:ss, h:m:s, mm:ss"""),
+}
 _GAUGE = re.compile(
     r"(?:\s*\((?:g(?:auge)?|rel\.?|ü)\)|[\s_]+(?:g(?:auge)?|rel\.?|ü)|(?<=[a-z])[gü])$",
     re.IGNORECASE,
 )
 _ABSOLUTE = re.compile(r"^(psi|m?bar|[hkm]?pa)[\s_(]*(?:a\)?|abs\.?\)?|absolute\)?)$")
 # of masses that hang from a muscle, the unit of their weight
-_WEIGHTS = _spellings({
-    "gf": "g gram grams gramm gr", "ozf": "oz ounce ounces",
-    "kgf": "kg kgs kilo kilos kilogram kilograms kilogramm",
-})  # fmt: skip
+_WEIGHTS = _spellings("""gf = g, gram, grams, gramm, gr; ozf = oz, ounce, ounces;
+    kgf = kg, kgs, kilo, kilos, kilogram, kilograms, kilogramm""")
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _ALTERNATIVES = (("pressure",), ("force", "torque"), POSITIONS)  # one of each is needed
 _EXAMPLES = {"pressure": "200 kPa", "force": "20 N", "length": "167 mm"}  # of a file's constants
-_PATTERN_NAMES = (*CONSTANTS, "rest_length")
 # the name of a column for one value of a quantity
 _LEVEL = re.compile(
     r"(?<![\d.,])\d+(?:[.,]\d+)?\s*(?:[kM]?Pa|m?bar|psi|[cm]?m|kg|g|N|%)(?![a-zA-Z])"
 )
 EXAMPLE_NAMES = "force[N],pressure[kPa],-,length[mm]"  # columns in their order
 LONGEST_NAME = 100  # characters of a column's name
+_BRACKETS = re.compile(r"[\[({<]([^\[\](){}<>]*(?:\s?\((?:[gaü]|abs\.?|gauge|rel\.?)\))?)[\])}>]")
+# a name with a unit behind it, without brackets
+_UNIT_BEHIND = (r"(.+?)\s*/\s*(.+)", r"(.+),\s*(.+)", r"(.+)\s+in\s+(.+)",
+                r"(.+?)[_\s]+(\S+[_\s]+abs(?:olute)?\.?)", r"(.+)[_\s]+(\S+)")  # fmt: skip
 
 
 class MissingMetadataError(ValueError):
     """A file that can be read only with further information.
 
-    The message is `before` + the choices as Python writes them + a stop.
-
     - `before`: what is missing.
     - `choices`: arguments of `load` that would supply it, each with key and value, if it is a
       mapping, and a condition in words.
-    - `argument`, `role`, `value`, `after`: the first choice.
+    - `argument`, `role`, `value`: of the first choice.
     """
 
     def __init__(self, before: str, *choices: tuple[str, str, str, str]):
+        super().__init__(before, *choices)
         self.before, self.choices = before, choices
-        self.argument, self.role, self.value, self.after = choices[0]
-        super().__init__(self.message(_python))
+        self.argument, self.role, self.value, _ = choices[0]
 
     def message(self, write: Callable[[str, str, str], str]) -> str:
         """The message with each choice as `write` puts argument, role and value."""
         texts = [f"{write(*choice[:3])}{choice[3]}" for choice in self.choices]
         return f"{self.before}{'; or give '.join(texts)}."
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.before, *self.choices)
+    def __str__(self) -> str:
+        return self.message(_python)
+
+
+def _python(argument: str, role: str, value: str) -> str:
+    """An argument of `load` as Python writes it."""
+    text = f'"{value}"' if value else ""
+    return f'{argument} {{"{role}": {text}}}' if role else f"{argument} {text}".rstrip()
 
 
 class Scale(NamedTuple):
@@ -205,9 +185,19 @@ def read_scale(text: str, role: str) -> Scale:
     return Scale(parse(quantity, dimension_of(role), f"scale of {role}"), unit)
 
 
+def dimension_of(role: str) -> str:
+    """Dimension of a role's quantity, also of the rest length."""
+    return _DIMENSIONS.get(role, role)
+
+
+def si_unit(role: str) -> str:
+    """SI unit of a role's quantity, "-" of a strain."""
+    return UNITS[dimension_of(role)].si or "-"
+
+
 def weight_unit(unit: str, dimension: str) -> str:
     """The unit of force for a column of masses, such as "kgf" for "kg"; empty for other units."""
-    return str(_WEIGHTS.get(unit.strip().lower(), "")) if dimension == "force" else ""
+    return _WEIGHTS.get(unit.strip().lower(), "") if dimension == "force" else ""
 
 
 def absolute_unit(unit: str) -> str:
@@ -224,8 +214,7 @@ def is_gauge_unit(unit: str) -> bool:
 def unit_factor(unit: str, dimension: str) -> float:
     """SI units in one `unit`, as a header writes it, without brackets.
 
-    `dimension`: a key of `SPELLINGS`. Raises a `ValueError` of a few words for a unit that isn't of
-    that dimension.
+    Raises a `ValueError` of a few words for a unit that isn't of the `dimension`.
     """
     text = unit.strip().rstrip(".")  # `in.`
     if dimension == "moment":
@@ -235,8 +224,8 @@ def unit_factor(unit: str, dimension: str) -> float:
             raise ValueError(f"{unit!r} is absolute")
         text = _GAUGE.sub("", text) if is_gauge_unit(text) else text
     name = SPELLINGS[dimension].get(text.lower().replace("²", "2").replace("^", ""))
-    if isinstance(name, float):
-        return name
+    if name and NUMBER.fullmatch(name):
+        return float(name)
     if text in UNITS[dimension].factors:  # the case counts where it can: mN and MN
         name = text
     if name is None:
@@ -244,9 +233,9 @@ def unit_factor(unit: str, dimension: str) -> float:
     return parse(f"1 {name}", dimension)
 
 
-def is_unit(text: str, dimensions: tuple[str, ...] = tuple(SPELLINGS)) -> bool:
-    """True if `text`, in brackets or not, is a unit of one of the `dimensions`."""
-    for dimension in dimensions:
+def is_unit(text: str, *dimensions: str) -> bool:
+    """True if `text`, in brackets or not, is a unit of one of the `dimensions`; default: of any."""
+    for dimension in dimensions or SPELLINGS:
         try:
             unit_factor(strip_brackets(text), dimension)
         except ValueError:
@@ -272,27 +261,26 @@ def read_header(header: str) -> list[tuple[str, str]]:
     """Possible meanings of a header: its name in lower case, and its unit."""
     if len(header) > LONGEST_NAME:  # no name of a quantity, and long to search
         return [("", "")]
-    meanings = []
-    brackets = re.findall(
-        r"[\[({<]([^\[\](){}<>]*(?:\s?\((?:[gaü]|abs\.?|gauge|rel\.?)\))?)[\])}>]",
-        header,
-    )
+    meanings, brackets = [], _BRACKETS.findall(header)
     outside = re.sub(r"[\[({<].*?[\])}>]+", " ", header) if brackets else header
     outside = outside.strip(" _")  # MATLAB makes `Force_N_` of `Force (N)`
     units = [text for text in brackets if is_any_unit(text)]
     if brackets:
         # a bracket that is no unit may be a misspelled one, or a remark
         meanings.append((_plain(outside), strip_brackets((units or brackets)[-1])))
-    for pattern in (
-        r"(.+?)\s*/\s*(.+)", r"(.+),\s*(.+)", r"(.+)\s+in\s+(.+)",
-        r"(.+?)[_\s]+(\S+[_\s]+abs(?:olute)?\.?)", r"(.+)[_\s]+(\S+)",
-    ):  # fmt: skip
+    for pattern in _UNIT_BEHIND:
         match = re.fullmatch(pattern, outside)
         # 1 is a unit behind a sign alone: `Force 1` is the first of several
         if match and is_any_unit(match[2]) and not units and (match[2] != "1" or "/" in outside):
             meanings.append((_plain(match[1]), strip_brackets(match[2])))
     has_unit = any(is_any_unit(unit) for _, unit in meanings)
     return meanings if has_unit else [*meanings, (_plain(outside), "")]
+
+
+def _plain(text: str) -> str:
+    """Words of a `text` in lower case, parted at capitals and signs."""
+    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)  # MusclePressure
+    return " ".join(re.sub(r"[\W_]+", " ", text).lower().split())
 
 
 def score(header: str, unit: str, role: str) -> int:
@@ -308,23 +296,23 @@ def score(header: str, unit: str, role: str) -> int:
         is_remark = not is_any_unit(written)
         stated = (unit if is_remark else written) or written or unit
         stated = stated or ("" if role == "strain" else meanings[0][1])
-        fits = dimension in SPELLINGS and bool(stated) and is_unit(stated, (dimension,))
+        fits = dimension in SPELLINGS and bool(stated) and is_unit(stated, dimension)
         if role in {*POSITIONS, "torque", "moment_arm", "time"} and stated:
             if not fits:  # the unit tells which of them it is
                 continue
-        elif role == "force" and is_unit(stated, ("moment",)):
+        elif role == "force" and is_unit(stated, "moment"):
             continue
         elif role == "angle" and name in {"position", "rotation", "encoder", "joint"}:
             continue  # without a unit these may be lengths or counts
-        elif role == "displacement" and name in {"contraction", "shortening", *LONGER, "x"}:
+        elif role == "displacement" and name in {"contraction", "shortening", *_LONGER, "x"}:
             continue  # without a unit these are strains, and x is anything
-        terms = set(name.split())
-        if name in TERMS[role]:
+        terms, names = TERMS[role], name.split()
+        if name in terms:
             best = max(best, 2 if stated.lower() in SIGNALS else 4 + fits)
-        elif terms & QUALIFIERS or (role == "length" and terms & {"gauge", "gage"}):
+        elif _QUALIFIERS & {*names} or (role == "length" and {"gauge", "gage"} & {*names}):
             continue
-        elif terms & {term for term in TERMS[role] if len(term) > 1} or (
-            " ".join(word for word in name.split() if word not in _MEASURED) in TERMS[role]
+        elif any(len(word) > 1 and word in terms for word in names) or (
+            " ".join(word for word in names if word not in _MEASURED) in terms
         ):
             best = max(best, 2 + fits)
         elif fits and (role in {"pressure", "force", "torque"} or (role == "time" and not name)):
@@ -332,24 +320,19 @@ def score(header: str, unit: str, role: str) -> int:
     return best
 
 
-def dimension_of(role: str) -> str:
-    """Dimension of a role's quantity, also of the rest length."""
-    return _DIMENSIONS.get(role, role)
-
-
-def si_unit(role: str) -> str:
-    """SI unit of a role's quantity, "-" of a strain."""
-    return UNITS[dimension_of(role)].si or "-"
+def _roles_of(header: str) -> set[str]:
+    """Roles that the name in a header may have."""
+    return {role for role in ROLES if score(header, "", role) > 1}
 
 
 def is_known(header: str) -> bool:
     """True for a header that names a quantity of a record."""
-    return any(score(header, "", role) > 1 for role in ROLES)
+    return bool(_roles_of(header))
 
 
 def differ(first: str, second: str) -> bool:
     """True for two headers that name different quantities or units."""
-    roles = [{role for role in ROLES if score(text, "", role) > 1} for text in (first, second)]
+    roles = [_roles_of(text) for text in (first, second)]
     units = [{unit for _, unit in read_header(text) if unit} for text in (first, second)]
     return any(a and b and a.isdisjoint(b) for a, b in (roles, units))
 
@@ -359,55 +342,12 @@ def _list_words(header: str) -> set[str]:
     return {word for name, _ in read_header(header) for word in name.split()}
 
 
-def _python(argument: str, role: str, value: str) -> str:
-    """An argument of `load` as Python writes it."""
-    text = f'"{value}"' if value else ""
-    return f'{argument} {{"{role}": {text}}}' if role else f"{argument} {text}".rstrip()
-
-
-def _plain(text: str) -> str:
-    """Words of a `text` in lower case, parted at capitals and signs."""
-    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)  # MusclePressure
-    return " ".join(re.sub(r"[\W_]+", " ", text).lower().split())
-
-
-@dataclass(frozen=True)
-class TableHeader:
-    """Names and units of a table's columns, and the lines around them.
-
-    - `source`: the file's name in errors.
-    - `header`: the columns' names; `line`: their line.
-    - `units`: from a row of units, or empty.
-    - `remarks`: lines after `#` above the header; `titles`: other lines above it.
-    - `body`: the lines of the rows.
-    """
-
-    source: str
-    header: tuple[str, ...]
-    line: int
-    units: tuple[str, ...]
-    remarks: tuple[str, ...]
-    titles: tuple[str, ...]
-    body: list[str]
-
-    @property
-    def where(self) -> str:
-        """File and line of the header, for messages."""
-        return f"{self.source}, line {self.line}"
-
-    def stated_unit(self, index: int, *dimensions: str) -> str:
-        """Unit of a column: of the row of units, or else of its name, best of the `dimensions`."""
-        units = [strip_brackets(self.units[index])]
-        units = units if units[0] else [unit for _, unit in read_header(self.header[index])]
-        return next((unit for unit in units if unit and is_unit(unit, dimensions)), units[0])
-
-
 @dataclass(frozen=True)
 class Column:
     """A column to read.
 
     - `role`: its quantity, such as "pressure".
-    - `index`: its position in the header; `header`: its name there.
+    - `index`: its position in the header, −1 for a constant; `header`: its name there.
     - `unit`: as written; `factor`: SI units in it.
     - `sign`: −1 if the file counts the other way.
     - `replaced_unit`: the header's unit, if the caller gave another one.
@@ -434,68 +374,51 @@ class Column:
         return f"column `{self.header}` read as {role}{unit}{replaced}{sign}{absolute}"
 
 
-def choose_columns(
-    table: TableHeader,
-    headers: Mapping[str, str],
-    units: Mapping[str, str],
-    constants: Iterable[str] = (),
-    *,
-    names: Sequence[str] = (),
-    scales: Mapping[str, Scale] | None = None,
-    atmosphere: bool = False,
-) -> tuple[dict[str, Column], tuple[str, ...]]:
+def choose_columns(table: "Table", info: "Sidecar") -> tuple[dict[str, Column], list[str]]:
     """Columns of a `table` to read, by role, and a note of the others.
 
-    `headers` and `units`, by role, overrule what the table's header says, and so do the `names` of
-    columns in their order. The roles `constants` need no column. `scales` of signals by role.
-    `atmosphere`: absolute pressures are read. Raises a `ValueError` for a column or a unit that is
+    What `info` says overrules the header. Raises a `ValueError` for a column or a unit that is
     missing, unknown or ambiguous.
     """
-    chosen = {role: _index_of(table, role, header) for role, header in headers.items()}
+    names, units, constants = info.names, dict(info.units), set(info.constants)
+    constants |= {"moment_arm"} if info.arm_table else set()
+    chosen = {role: _index_of(table, role, header) for role, header in info.columns.items()}
     if names and len(table.header) > 2 * len(names):
         missing = len(table.header) - len(names)
-        before = f"{table.where}: {missing} of its {len(table.header)} columns are not named: give "
+        rule = f"{missing} of its {len(table.header)} columns are not named: give "
         text = ",".join([*(name or "-" for name in names), "-", "…"])
-        raise MissingMetadataError(before, ("columns", "", text, ", with - for each to skip"))
-    units, scales = dict(units), dict(scales or {})
+        choice = ("columns", "", text, ", with - for each to skip")
+        raise MissingMetadataError(f"{table.where}: {rule}", choice)
     for role, index, unit in _role_positions(names):
         if index < len(table.header):
             chosen[role] = index
         if unit:
             units.setdefault(role, unit)
-    for role, scale in scales.items():
+    for role, scale in info.scales.items():
         chosen.setdefault(role, _signal_index(table, role, scale))
-    constants = set(constants)
     _infer(table, chosen, units, constants, () if names else ROLES)
     columns, optional = {}, _optional_roles(constants | chosen.keys())
     for role, index in chosen.items():
         header = table.header[index] or (names[index] if index < len(names) else "")
-        column = Column(role, index, header)
+        column, scale = Column(role, index, header), info.scales.get(role)
         try:
-            if role in scales:
-                columns[role] = _scaled(table, column, scales[role])
+            if scale:
+                columns[role] = _scaled(table, column, scale)
             else:
-                columns[role] = _complete(table, column, units.get(role), atmosphere=atmosphere)
+                columns[role] = _complete(table, column, units.get(role), info.atmosphere)
         except ValueError:
-            if role not in optional or role in headers or role in units:
+            if role not in optional or role in info.columns or role in units:
                 raise
     used = {column.index for column in columns.values()}
     # a nameless last column is a trailing delimiter
     unread = [f"`{h}`" for i, h in enumerate(table.header) if h and i not in used]
-    return columns, (f"columns not read: {', '.join(unread)}",) if unread else ()
-
-
-def _scaled(table: TableHeader, column: Column, scale: Scale) -> Column:
-    """The column of a signal, with the `scale` of its gauge."""
-    stated = table.stated_unit(column.index)
-    if stated and stated.lower() != scale.unit.lower():
-        rule = f"its unit is {stated}, not {scale.unit} as in the scale: leave the scale out"
-        raise ValueError(f"{table.where}, column `{column.header}`: {rule}.")
-    return replace(column, unit=scale.unit, factor=scale.factor)
+    columns = {role: column for role, column in columns.items() if role not in constants}
+    notes = [column.note() for column in columns.values()]
+    return columns, [*notes, *([f"columns not read: {', '.join(unread)}"] if unread else [])]
 
 
 def _infer(
-    table: TableHeader,
+    table: "Table",
     chosen: dict[str, int],
     units: Mapping[str, str],
     constants: set[str],
@@ -517,7 +440,8 @@ def _infer(
         lengths = ("length", "displacement") if role == "strain" else ()
         if any(_candidates(table, length, used, units.get(length)) for length in lengths):
             # beside a length these are of a strain gauge on the rig
-            indices = [i for i in indices if table.stated_unit(i, role) not in MICROSTRAINS]
+            gauges = words(_MICROSTRAINS)
+            indices = [i for i in indices if table.stated_unit(i, role) not in gauges]
         if role in _optional_roles(supplied):
             # several of one name, as a time beside each channel, are alike
             indices = indices[:1] if len({table.header[i] for i in indices}) == 1 else []
@@ -526,7 +450,7 @@ def _infer(
         if indices:
             chosen[role] = indices[0]
     supplied = constants | set(chosen)
-    for role, group in zip(("pressure", "force", "length"), _ALTERNATIVES, strict=True):
+    for role, group in zip(_EXAMPLES, _ALTERNATIVES, strict=True):
         if not supplied & set(group):
             raise _missing(table, role, group, set(chosen.values()))
     if "force" in supplied:
@@ -545,7 +469,7 @@ def check_roles(mapping: Mapping[str, Any], argument: str, roles: Sequence[str] 
     """Refuse keys of a `mapping` that are no `roles`; `argument` names it in the error."""
     for role in mapping:
         if role not in roles:
-            hint = _suggest_name(str(role), roles, '"') or f"choose one of {', '.join(roles)}"
+            hint = did_you_mean(str(role), roles).strip(", .")
             raise InvalidInputError(argument, f"has the unknown key {role!r}", role, hint, shown="")
 
 
@@ -570,27 +494,22 @@ def _role_positions(names: Sequence[str]) -> list[tuple[str, int, str]]:
             for name, unit in read_header(text)
             for role in sorted(ROLES, key=lambda role: role != name)
             if name in {role, *TERMS[role]}
-            and (not unit or role == "branch" or is_unit(unit, (dimension_of(role),))
+            and (not unit or role == "branch" or is_unit(unit, dimension_of(role))
                  or unit.lower() in SIGNALS or absolute_unit(unit))
         ]  # fmt: skip
-        rule, hint = "", f"choose of {', '.join(ROLES)}, with a unit as in force[N], or - to skip"
         if not fits:
             rule = f"has the unknown name {text!r}"
-        elif fits[0][0] in positions:
-            rule, hint = f"names {fits[0][0]} twice", "write - for the one to skip"
-        if rule:
+            hint = f"choose of {', '.join(ROLES)}, with a unit as in force[N], or - to skip"
             raise InvalidInputError("columns in order", rule, text, hint, "")
-        positions[fits[0][0]] = index, fits[0][1]
+        role, unit = fits[0]
+        if role in positions:
+            rule, hint = f"names {role} twice", "write - for the one to skip"
+            raise InvalidInputError("columns in order", rule, text, hint, "")
+        positions[role] = index, unit
     return [(role, *position) for role, position in positions.items()]
 
 
-def _suggest_name(name: str, choices: Sequence[str], quote: str) -> str:
-    """A question for the most similar name; empty if none is similar."""
-    similar = difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
-    return f"did you mean {quote}{similar[0]}{quote}?" if similar else ""
-
-
-def _index_of(table: TableHeader, role: str, header: str) -> int:
+def _index_of(table: "Table", role: str, header: str) -> int:
     """Index of the column that the caller named."""
     target, names = header.strip().lower(), table.header
     indices = [i for i, name in enumerate(names) if name.lower() == target]
@@ -601,17 +520,18 @@ def _index_of(table: TableHeader, role: str, header: str) -> int:
         raise _ambiguous(table, role, indices)
     if not indices:
         names = [name for name in names if name]
-        hint = _suggest_name(header, names, "`") or f"there are {_list_names(names)}."
-        raise ValueError(f"{table.where}: no column `{header}` for {role}: {hint}")
+        hint = did_you_mean(header, names)
+        hint = hint if hint.endswith("?") else f": there are {_list_names(names)}."
+        raise ValueError(f"{table.where}: no column `{header}` for {role}{hint}")
     return indices[0]
 
 
-def _signal_index(table: TableHeader, role: str, scale: Scale) -> int:
+def _signal_index(table: "Table", role: str, scale: Scale) -> int:
     """Index of the column of a role's signal, by its unit and, if several have it, by its name."""
     unit = scale.unit.lower()
     indices = [i for i in range(len(table.header)) if table.stated_unit(i).lower() == unit]
     if len(indices) > 1:
-        indices = [i for i in indices if _list_words(table.header[i]) & set(TERMS[role])] or indices
+        indices = [i for i in indices if _list_words(table.header[i]) & {*TERMS[role]}] or indices
     if len(indices) > 1:
         raise _ambiguous(table, role, indices)
     if not indices:
@@ -619,7 +539,7 @@ def _signal_index(table: TableHeader, role: str, scale: Scale) -> int:
     return indices[0]
 
 
-def _candidates(table: TableHeader, role: str, used: set[int], unit: str | None) -> list[int]:
+def _candidates(table: "Table", role: str, used: set[int], unit: str | None) -> list[int]:
     """Indices of the unused columns that fit a role best: several if they tie."""
     scores: dict[int, int] = {}
     for i, header in enumerate(table.header):
@@ -631,37 +551,47 @@ def _candidates(table: TableHeader, role: str, used: set[int], unit: str | None)
     return [i for i, points in scores.items() if points == best > 0]
 
 
+def _scaled(table: "Table", column: Column, scale: Scale) -> Column:
+    """The column of a signal, with the `scale` of its gauge."""
+    stated = table.stated_unit(column.index)
+    if stated and stated.lower() != scale.unit.lower():
+        rule = f"its unit is {stated}, not {scale.unit} as in the scale: leave the scale out"
+        raise ValueError(f"{table.place(column.header)}: {rule}.")
+    return replace(column, unit=scale.unit, factor=scale.factor)
+
+
 def _complete(
-    table: TableHeader, column: Column, override: str | None, *, atmosphere: bool
+    table: "Table", column: Column, override: str | None, atmosphere: float | None
 ) -> Column:
     """The column with its unit (`override`, else the header's), factor and sign; an absolute
-    pressure is refused unless the `atmosphere` is known.
+    pressure is refused unless the `atmosphere` [Pa] is known.
     """
     role, header = column.role, table.header[column.index]
     if role in {"branch", "clipped"}:
         return column
-    dimension, header_words = dimension_of(role), _list_words(header)
+    dimension, names = dimension_of(role), _list_words(header)
     header_unit = table.stated_unit(column.index, dimension)
     unit = override or header_unit
-    where = f"{table.where}, column `{header}`"
-    if unit.lower() in SIGNALS or (not unit and header_words & _RAW):
+    where = table.place(header)
+    if unit.lower() in SIGNALS or (not unit and names & _RAW):
         raise _raw_signal(where, role, unit)
     if not unit and role == "time":
-        unit = header if is_unit(header, ("time",)) else "s"
+        unit = header if is_unit(header, "time") else "s"
     elif not unit and role in USUAL_UNITS:
-        weights = [unit for word in header_words if (unit := weight_unit(word, dimension))]
-        if not weights and role == "force" and header_words & MASSES:
+        weights = [unit for word in names if (unit := weight_unit(word, dimension))]
+        if not weights and role == "force" and names & _MASSES:
             weights = ["kgf", "gf", "N"]
         best, *alternatives = weights or [USUAL_UNITS[role]]
         how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
         after = f", or {' or '.join(alternatives)}" if alternatives else ""
         raise MissingMetadataError(how, ("units", role, best, after))
-    absolute = role == "pressure" and _is_absolute(unit, header_unit, header_words, atmosphere)
-    if absolute and not atmosphere:
-        how = (
-            f"{where}: {unit if absolute_unit(unit) else header!r} is absolute, muscles are"
-            " computed in gauge pressure: to subtract the atmosphere, give "
-        )
+    is_named = absolute_unit(header_unit) or names & _ABSOLUTE_WORDS or atmosphere is not None
+    absolute = role == "pressure" and bool(
+        absolute_unit(unit) or (is_named and not is_gauge_unit(unit))
+    )
+    if absolute and atmosphere is None:
+        how = f"{where}: {unit if absolute_unit(unit) else header!r} is absolute, muscles are"
+        how += " computed in gauge pressure: to subtract the atmosphere, give "
         choices = [("atmosphere", "", "1.013 bar", " as measured then")]
         if not absolute_unit(unit):  # its name may be wrong
             choices.append(("units", "pressure", f"{unit} (g)", ", if it is gauge"))
@@ -675,32 +605,18 @@ def _complete(
             raise _wrong_unit(where, role, unit, error) from None
         unit, factor = "", 1.0
     meaning = header_unit if is_any_unit(header_unit) else weight_unit(header_unit, dimension)
-    longer = role in {"strain", "displacement"} and header_words & LONGER
-    longer = longer and not header_words & {"compressive", "compression"}
-    return replace(
-        column,
-        header=header,
-        unit=unit,
-        factor=factor,
-        sign=-1 if longer else 1,
-        replaced_unit=header_unit if override and meaning not in ("", override) else "",
-        absolute=absolute,
-    )
-
-
-def _is_absolute(unit: str, header_unit: str, words: set[str], atmosphere: bool) -> bool:
-    """True for a pressure in a `unit`, under a header with a unit and `words`, above vacuum."""
-    is_named = bool(absolute_unit(header_unit) or words & ABSOLUTE or atmosphere)
-    return bool(absolute_unit(unit)) or (is_named and not is_gauge_unit(unit))
+    longer = role in {"strain", "displacement"} and names & _LONGER
+    longer = longer and not names & {"compressive", "compression"}
+    replaced = header_unit if override and meaning not in ("", override) else ""
+    return Column(role, column.index, header, unit, factor, -1 if longer else 1, replaced, absolute)
 
 
 def _raw_signal(where: str, role: str, unit: str) -> MissingMetadataError:
     """The error for a gauge's signal instead of a quantity."""
-    example = f"1 {USUAL_UNITS.get(role, '%')}/{unit or 'V'}"
-    before = f"{where}: raw readings of a gauge: convert them to {USUAL_UNITS.get(role, '%')}, or"
-    return MissingMetadataError(
-        f"{before} give ", ("scales", role, example, " with its own number")
-    )
+    usual = USUAL_UNITS.get(role, "%")
+    before = f"{where}: raw readings of a gauge: convert them to {usual}, or give "
+    choice = ("scales", role, f"1 {usual}/{unit or 'V'}", " with its own number")
+    return MissingMetadataError(before, choice)
 
 
 def _wrong_unit(where: str, role: str, unit: str, error: ValueError) -> ValueError:
@@ -708,13 +624,12 @@ def _wrong_unit(where: str, role: str, unit: str, error: ValueError) -> ValueErr
     if best := weight_unit(unit, dimension_of(role)):
         how = f"{where}: {error}: write `[{best}]` in the header, the weight of that mass, or give "
         return MissingMetadataError(how, ("units", role, best, ""))
-    return ValueError(
-        f"{where}: {error}: convert its numbers, and write their unit in the header, such as"
-        f" `[{USUAL_UNITS.get(role, '%')}]`; or choose another column."
-    )
+    remedy = "convert its numbers, and write their unit in the header, such as"
+    remedy += f" `[{USUAL_UNITS.get(role, '%')}]`; or choose another column"
+    return ValueError(f"{where}: {error}: {remedy}.")
 
 
-def _check_wide(table: TableHeader) -> None:
+def _check_wide(table: "Table") -> None:
     """Refuse a table with a column for each of several values of a quantity, such as `100 kPa`."""
     titles = ([cell.strip() for cell in re.split("[\t;,|]", line)] for line in table.titles)
     for cells in (list(table.header), *titles):
@@ -728,55 +643,50 @@ def _check_wide(table: TableHeader) -> None:
             )
 
 
-def _ambiguous(table: TableHeader, role: str, indices: Sequence[int]) -> ValueError:
+def _ambiguous(table: "Table", role: str, indices: Sequence[int]) -> ValueError:
     """The error for several columns that could be one role's."""
     _check_wide(table)
     names = [table.header[i] for i in indices]
     if len(set(names)) == 1:
-        before = (
-            f"{table.where}: column `{names[0]}` is there {len(names)} times: name all in order"
-        )
+        rule = f"column `{names[0]}` is there {len(names)} times: name all in order, as in "
         choice = ("columns", "", EXAMPLE_NAMES, ", with - for each to skip")
-        return MissingMetadataError(f"{before}, as in ", choice)
-    how = f"{table.where}: several columns could be {role}, {_list_names(names)}: choose one with "
-    return MissingMetadataError(how, ("columns", role, names[0], ""))
+        return MissingMetadataError(f"{table.where}: {rule}", choice)
+    rule = f"several columns could be {role}, {_list_names(names)}: choose one with "
+    return MissingMetadataError(f"{table.where}: {rule}", ("columns", role, names[0], ""))
 
 
-def _missing(table: TableHeader, role: str, group: Sequence[str], used: set[int]) -> ValueError:
+def _missing(table: "Table", role: str, group: Sequence[str], used: set[int]) -> ValueError:
     """The error for a `group` of roles without a column, with what could supply one of them."""
     if len(table.header) == 1:
         remedy = "part its cells by commas, semicolons, tabs or blanks"
         return ValueError(f"{table.where}: one column only, `{table.header[0]}`: {remedy}.")
     _check_wide(table)
     group = sorted(group, key=lambda candidate: candidate != role)
-    dimensions = tuple(map(dimension_of, group))
+    dimensions = [dimension_of(candidate) for candidate in group]
+    terms = {term for candidate in group for term in TERMS[candidate]}
     names, signals = [], []
     for i, name in enumerate(table.header):
         stated = table.stated_unit(i)
         if i in used or name.lower() in {"", "comment"}:  # the last column of LabVIEW
             continue
-        is_named = read_header(name)[0][0] in {
-            term for candidate in group for term in TERMS[candidate]
-        }
+        is_named = read_header(name)[0][0] in terms
         if role == "length" and is_named and stated and not is_unit(stated):
             error = ValueError(f"{stated!r} is no unit of {role}")
-            return _wrong_unit(f"{table.where}, column `{name}`", role, stated, error)
+            return _wrong_unit(table.place(name), role, stated, error)
         if stated.lower() in SIGNALS:
             signals.append((name, stated))
-        fits = not stated or is_unit(stated, dimensions) or weight_unit(stated, dimensions[0])
+        fits = not stated or is_unit(stated, *dimensions) or weight_unit(stated, dimensions[0])
         if fits or (role == "pressure" and absolute_unit(stated)):
             names.append(name)
     if signals and not names:
-        return _raw_signal(f"{table.where}, column `{signals[0][0]}`", role, signals[0][1])
-    names.sort(key=lambda name: bool(_list_words(name) & QUALIFIERS))  # setpoints last
+        return _raw_signal(table.place(signals[0][0]), role, signals[0][1])
+    names.sort(key=lambda name: bool(_list_words(name) & _QUALIFIERS))  # setpoints last
     before = f"{table.where}: no column of {' or '.join(group)} found: "
     constant = ("constants", role, _EXAMPLES[role], ", if it is one for all readings")
     if not names:
         return MissingMetadataError(f"{before}add it, or give ", constant)
     unit = table.stated_unit(table.header.index(names[0]))
-    fitting = [
-        candidate for candidate in group if unit and is_unit(unit, (dimension_of(candidate),))
-    ]
+    fitting = [candidate for candidate in group if unit and is_unit(unit, dimension_of(candidate))]
     if len(names) == 1 and role == "length" and fitting:
         choices = [("columns", candidate, names[0], "") for candidate in fitting]
         return MissingMetadataError(f"{before}`{names[0]}` is which of them: give ", *choices)
@@ -797,30 +707,27 @@ def read_name(path: Path, pattern: str, table: str = "") -> dict[str, float]:
     The unit stands after the braces, or in them: `{length}cm`, `{pressure:kPa}`; grams and the
     like of a force are weights.
     """
+    choices = (*CONSTANTS, "rest_length")
     # text, and after each piece of it a name, its unit in the braces, and the unit behind them
-    *pieces, end = re.split(r"\{(\w+)(?::([^}]*))?\}(?=([^\W\d_]*%?))", pattern)
-    expression, fields = "", []
-    for text, name, inside, behind in zip(*(pieces[i::4] for i in range(4)), strict=True):
-        expression += _wildcard_expression(text) + r"([+-]?\d+(?:[.,]\d+)?)"
-        fields.append((name, inside or behind))
-        if name not in _PATTERN_NAMES:
-            hint, rule = f"choose of {', '.join(_PATTERN_NAMES)}", f"has the unknown name {name!r}"
-            raise InvalidInputError("name_pattern", rule, name, f"{hint}; * is other text", "")
-    if not fields:
+    texts, names, insides, behinds = (
+        re.split(r"\{(\w+)(?::([^}]*))?\}(?=([^\W\d_]*%?))", pattern)[i::4] for i in range(4)
+    )
+    if not names:
         hint = 'write such as "{length}cm_{pressure}kPa"'
         raise InvalidInputError("name_pattern", "has no name in braces", pattern, hint)
-    expression += _wildcard_expression(end)
+    for name in names:
+        if name not in choices:
+            hint, rule = f"choose of {', '.join(choices)}", f"has the unknown name {name!r}"
+            raise InvalidInputError("name_pattern", rule, name, f"{hint}; * is other text", "")
+    pieces = [re.escape(text).replace(r"\*", ".*").replace(r"\?", ".") for text in texts]
+    expression = r"([+-]?\d+(?:[.,]\d+)?)".join(pieces)
     match = re.search(expression, table) or re.search(expression, f"{path.stem} {table}".rstrip())
     if match is None:
         what = f"`{path.stem}` or table `{table}`" if table else f"`{path.stem}`"
         raise ValueError(f"{path}: its name {what} doesn't fit the pattern {pattern!r}.")
     values = {}
-    for (name, unit), text in zip(fields, match.groups(), strict=True):
-        dimension = dimension_of(name)
+    for name, inside, behind, text in zip(names, insides, behinds, match.groups(), strict=True):
+        dimension, unit = dimension_of(name), inside or behind
         number = f"{text.replace(',', '.')} {weight_unit(unit, dimension) or unit}"
         values[name] = parse(number, dimension, name)
     return values
-
-
-def _wildcard_expression(text: str) -> str:
-    return re.escape(text).replace(r"\*", ".*").replace(r"\?", ".")

@@ -10,14 +10,15 @@ clipped_at_zero = true                # readings of exactly zero are clipped
 force = "Load cell 2"
 ```
 
-The page *records* of the docs has all keys.
+The page *records* of the docs has all keys. Arguments of `load` are checked by the same schema.
 """
 
-import contextlib
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     BeforeValidator,
@@ -26,20 +27,43 @@ from pydantic import (
     StrictBool,
     StrictInt,
     StrictStr,
+    ValidationError,
     model_validator,
 )
 
+from ..core.errors import InvalidInputError
 from ..io.input_file import parse_toml, read_bytes
-from ..table_model import Quantity, TableModel, validate
-from ..units import parse
-from .headers import CONSTANTS, Scale, check_roles, read_scale, si_unit, split_names
+from ..table_model import TableModel, validate
+from ..units import parse, to_si
+from .headers import CONSTANTS, Scale, check_roles, dimension_of, read_scale, si_unit, split_names
 from .joint import ArmTable, read_arm_table
 
 
 _MAX_SIZE = 1_000_000  # bytes
 _NEGATIVE = ("pushing positive", "extension positive")
+_ARGUMENTS = "arguments"  # context of a check: bare numbers are in SI units
+_POSITIVE = ("rest_length", "moment_arm", "resample")
 # gauges that may be off by a constant, and the joint's angle at rest
-ZEROS = ("pressure", "force", "torque", "displacement", "angle")
+_ZEROS = ("pressure", "force", "torque", "displacement", "angle")
+
+
+def _read_number(value: Any, info: Any) -> Any:
+    """Number [SI] of a key, or the table of moment arms."""
+    name, is_bare = info.field_name, info.context == _ARGUMENTS
+    if name == "moment_arm" and isinstance(value, Mapping | ArmTable):
+        return value if isinstance(value, ArmTable) else read_arm_table(value, bare=is_bare)
+    role = {"atmosphere": "pressure", "resample": "time"}.get(name, name.removesuffix("_at_rest"))
+    if name != role and (scale := info.data.get("scales", {}).get(role)):
+        value = scale.zero(value)
+        is_bare = is_bare or isinstance(value, float)
+    if is_bare:
+        number = float(to_si(value, name, si_unit(role)))
+    else:
+        number = parse(value, dimension_of(role), name)
+    if not np.isfinite(number) or (name in _POSITIVE and number <= 0):
+        rule = f"must be {'positive and ' if name in _POSITIVE else ''}finite"
+        raise InvalidInputError(name, rule, number, shown=f"{number} {si_unit(role)}")
+    return number
 
 
 def _check_roles(table: dict[str, str], info: Any) -> dict[str, str]:
@@ -48,44 +72,27 @@ def _check_roles(table: dict[str, str], info: Any) -> dict[str, str]:
     return table
 
 
-def _as_list(value: Any) -> Any:
-    """A single text as a list of one text; other values as they are."""
-    return [value] if isinstance(value, str) else value
-
-
-def _arm_or_table(value: Any) -> Any:
-    """Moment arm [m], or a table of moment arms by angle."""
-    if isinstance(value, dict):
-        return read_arm_table(value, bare=False)
-    if (arm := parse(value, "length", "moment_arm")) <= 0:
-        raise ValueError("must be positive")
-    return arm
-
-
 def _read_scales(table: Any) -> dict[str, Scale]:
     """Scales of signals by role."""
     if not isinstance(table, dict):
         raise ValueError("must be a table of keys")
     check_roles(table, "scales")
-    return {role: read_scale(text, role) for role, text in table.items()}
+    return {role: text if isinstance(text, Scale) else read_scale(text, role)
+            for role, text in table.items()}  # fmt: skip
 
 
-Contraction = Literal["contraction positive", "extension positive"]
-TextsByRole = Annotated[dict[str, StrictStr], AfterValidator(_check_roles)]
-Pressure = Annotated[float, Quantity("pressure")]
-Length = Annotated[float, Quantity("length")]
-Force = Annotated[float, Quantity("force")]
-Torque = Annotated[float, Quantity("moment")]
-Angle = Annotated[float, Quantity("angle")]
+_Contraction = Literal["contraction positive", "extension positive"]
+_TextsByRole = Annotated[dict[str, StrictStr], AfterValidator(_check_roles)]
+_Number = Annotated[float | None, PlainValidator(_read_number)]
 
 
 class Signs(TableModel):
     """`[signs]`: the direction in which the file counts."""
 
     force: Literal["pulling positive", "pushing positive"] | None = None
-    strain: Contraction | None = None
-    displacement: Contraction | None = None
-    angle: Contraction | None = None
+    strain: _Contraction | None = None
+    displacement: _Contraction | None = None
+    angle: _Contraction | None = None
 
     def sign(self, role: str) -> int | None:
         """1 or −1 for a role, or `None`."""
@@ -96,51 +103,44 @@ class Signs(TableModel):
 class Sidecar(TableModel):
     """Keys of the file; quantities in SI units, `names`: a list of columns in their order."""
 
-    rest_length: Annotated[float, Quantity("length"), Field(gt=0)] | None = None
-    pressure: Pressure | None = None
-    force: Force | None = None
-    torque: Torque | None = None
-    strain: Annotated[float, Quantity("strain")] | None = None
-    length: Length | None = None
-    displacement: Length | None = None
-    angle: Angle | None = None
-    moment_arm: Annotated[float | ArmTable | None, PlainValidator(_arm_or_table)] = None
-    pressure_at_rest: Pressure | None = None
-    force_at_rest: Force | None = None
-    torque_at_rest: Torque | None = None
-    angle_at_rest: Angle | None = None
-    displacement_at_rest: Length | None = None
-    atmosphere: Pressure | None = None
-    clipped_at_zero: StrictBool | None = None
-    columns: TextsByRole = Field(default_factory=dict)
-    names: Annotated[tuple[str, ...], BeforeValidator(split_names)] = ()
-    units: TextsByRole = Field(default_factory=dict)
     scales: Annotated[dict[str, Scale], BeforeValidator(_read_scales)] = Field(default_factory=dict)
+    rest_length: _Number = None
+    pressure: _Number = None
+    force: _Number = None
+    torque: _Number = None
+    strain: _Number = None
+    length: _Number = None
+    displacement: _Number = None
+    angle: _Number = None
+    moment_arm: Annotated[float | ArmTable | None, PlainValidator(_read_number)] = None
+    pressure_at_rest: _Number = None
+    force_at_rest: _Number = None
+    torque_at_rest: _Number = None
+    angle_at_rest: _Number = None
+    displacement_at_rest: _Number = None
+    atmosphere: _Number = None
+    resample: _Number = None
+    clipped_at_zero: StrictBool | None = None
+    columns: _TextsByRole = Field(default_factory=dict)
+    names: Annotated[tuple[str, ...], BeforeValidator(split_names)] = ()
+    units: _TextsByRole = Field(default_factory=dict)
     signs: Signs = Signs()
-    resample: Annotated[float, Quantity("time"), Field(gt=0)] | None = None
     rows: StrictStr | None = None
     header: StrictInt | None = None
     decimal: Literal[".", ","] | None = None
     table: StrictStr | None = None
     synthetic: StrictBool = False
     source: StrictStr | None = None
-    notes: Annotated[list[StrictStr], BeforeValidator(_as_list)] = Field(default_factory=list)
+    notes: Annotated[
+        list[StrictStr], BeforeValidator(lambda x: [x] if isinstance(x, str) else x)
+    ] = Field(default_factory=list)
 
     @model_validator(mode="before")
     @classmethod
     def _name_columns(cls, data: Any) -> Any:
-        """Move `columns` in their order, text or a list, to `names`; read zeros of signals."""
+        """Move `columns` in their order, text or a list, to `names`."""
         if isinstance(columns := data.get("columns"), str | list):
             data = {k: v for k, v in data.items() if k != "columns"} | {"names": columns}
-        scales = data.get("scales")
-        for role, text in scales.items() if isinstance(scales, dict) else ():
-            key = f"{role}_at_rest"
-            # an invalid scale is refused where it stands
-            with contextlib.suppress(ValueError):
-                if key in data and isinstance(
-                    zero := read_scale(text, role).zero(data[key]), float
-                ):
-                    data = data | {key: f"{zero!r} {si_unit(role)}"}
         return data
 
     @property
@@ -153,6 +153,35 @@ class Sidecar(TableModel):
     def arm_table(self) -> ArmTable | None:
         """Moment arms by angle, if a table was given."""
         return self.moment_arm if isinstance(self.moment_arm, ArmTable) else None
+
+    def overruled(self, arguments: Mapping[str, Any]) -> "Sidecar":
+        """The information, overruled by `arguments` of `load`; the error names an invalid one."""
+        data = {name: value for name, value in arguments.items() if value is not None}
+        if unknown := data.keys() - Sidecar.model_fields.keys() - {"constants", "zeros"}:
+            raise TypeError(f"unexpected arguments: {', '.join(sorted(unknown))}")
+        choices = {"constants": CONSTANTS, "zeros": _ZEROS, "signs": tuple(Signs.model_fields)}
+        tables = {argument: data.pop(argument, {}) for argument in choices}
+        for argument, roles in choices.items():
+            check_roles(tables[argument], argument, roles)
+        if not isinstance(columns := data.get("columns", {}), Mapping):
+            data |= {"names": columns, "columns": {}}
+        for argument in ("columns", "units", "scales"):
+            data[argument] = {**getattr(self, argument), **data.get(argument, {})}
+        full = {role: f"{str(text).removesuffix('positive').strip()} positive"
+                for role, text in tables["signs"].items()}  # fmt: skip
+        data["signs"] = self.signs.model_dump(exclude_none=True) | full
+        data |= tables["constants"] | {f"{role}_at_rest": x for role, x in tables["zeros"].items()}
+        former = {name: getattr(self, name) for name in self.model_fields_set}
+        try:
+            return Sidecar.model_validate(former | data, context=_ARGUMENTS)
+        except ValidationError as error:
+            fault = error.errors(include_url=False)[0]
+        if isinstance(cause := fault.get("ctx", {}).get("error"), ValueError):
+            raise cause
+        name, *keys = map(str, fault["loc"])
+        rule = " ".join(["of", *keys] if keys else [])
+        rule = f"{rule} {fault['msg'].replace('Input should be', 'must be')}".strip()
+        raise InvalidInputError(name, rule, fault["input"])
 
 
 def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:

@@ -8,13 +8,15 @@ remarks after `#` or `%`; titles above the header; headers that are repeated bet
 import csv
 import io
 import re
-from collections.abc import Hashable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import zip_longest
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..core.errors import InvalidInputError, require
+from ..core.errors import require
 from .headers import (
     EXAMPLE_NAMES,
     LONGEST_NAME,
@@ -22,7 +24,6 @@ from .headers import (
     ROLES,
     SIGNALS,
     MissingMetadataError,
-    TableHeader,
     differ,
     is_known,
     is_unit,
@@ -44,7 +45,6 @@ _MAX_COLUMNS = 1000  # more take long to search, and no bench has them
 _MAX_LOSS = 0.5  # of the rows: a record of less than half of them is another one
 _MIN_BLOCK = 3  # rows of numbers: fewer may be lines of a preamble
 _DELIMITERS = ("\t", ";", "|", ",", " ", "  ")  # the first that parts a table is taken
-_REMARK = ("#", "%", "//")
 _HOLES = {"", "nan", "inf", "infinity", "na", "n/a", "null", "none", "#n/a",
           "#div/0!", "#num!", "#value!", "#ref!", "nan(ind)", "1.#qnan", "1.#ind", "1.#inf",
           "ol", "ovl", "overload", "overflow", "overrange", "over", "err", "error"}  # fmt: skip
@@ -95,21 +95,6 @@ class NumberFormat:
         return _may_be_thousands(cell) and any(sign in cell for sign in self.unclear)
 
 
-class TableColumns(NamedTuple):
-    """A table's columns, `numbers` and `texts`, each keyed by its position in the header.
-
-    - `numbers`: as the file writes them; clock times in seconds.
-    - `texts`: as the file writes them.
-    - `lines`: the file's line of each row.
-    - `notes`: on rows that were left out.
-    """
-
-    numbers: dict[int, np.ndarray]
-    texts: dict[int, list[str]]
-    lines: np.ndarray
-    notes: tuple[str, ...]
-
-
 class _Layout(NamedTuple):
     """Delimiter of a table, and indices among its first lines: of header, units and readings.
 
@@ -124,156 +109,158 @@ class _Layout(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Table(TableHeader):
+class Table:
     """A file with its header read, and its cells still as text.
 
+    - `source`: the file's name in errors.
+    - `header`: the columns' names; `line`: their line.
+    - `units`: from a row of units, or empty.
+    - `remarks`: lines after `#` above the header; `titles`: other lines above it.
+    - `body`: the lines of the rows; `first`: the number of the first of them.
     - `delimiter`: the sign between cells; `numbers`: the format of numbers.
-    - `first`: the number of the body's first line.
     - `row_width`: cells of a row between blanks, where a missing cell leaves no sign; else 0.
     """
 
+    source: str
+    header: tuple[str, ...]
+    line: int
+    units: tuple[str, ...]
+    remarks: tuple[str, ...]
+    titles: tuple[str, ...]
+    body: list[str]
+    first: int
     delimiter: str
     numbers: NumberFormat
-    first: int
     row_width: int
+
+    @property
+    def where(self) -> str:
+        """File and line of the header, for messages."""
+        return f"{self.source}, line {self.line}"
+
+    def place(self, header: str) -> str:
+        """File, line of the header and name of a column, for messages."""
+        return f"{self.where}, column `{header}`"
 
     def cell_error(self, line: int, column: int, rule: str) -> ValueError:
         """The error for a cell that breaks a `rule`."""
         return ValueError(f"{self.source}, line {line}, column `{self.header[column]}`: {rule}")
 
+    def stated_unit(self, index: int, *dimensions: str) -> str:
+        """Unit of a column: of the row of units, or else of its name, best of the `dimensions`."""
+        units = [strip_brackets(self.units[index])]
+        units = units if units[0] else [unit for _, unit in read_header(self.header[index])]
+        return next((unit for unit in units if unit and is_unit(unit, *dimensions)), units[0])
+
     def read(
-        self,
-        numbers: Sequence[int],
-        texts: Sequence[int],
-        time: int | None = None,
-        rows: tuple[int, int] | None = None,
-        *,
-        sparse: bool = False,
-    ) -> TableColumns:
-        """Read the columns with indices `numbers` as finite floats, those in `texts` as text.
+        self, numbers: Iterable[int], rows: tuple[int, int] | None = None, *, sparse: bool = False
+    ) -> tuple["pd.DataFrame", list[str]]:
+        """Cells of the rows of readings by column and line of the file, the columns with indices
+        `numbers` as finite floats, and notes.
 
-        Rows with holes in `numbers` are left out. The column `time`, of numbers or clock times, is
-        missing in the result if it holds something else. `rows`: first and last row, from 1;
-        default: all rows, unless they are of several specimens. `sparse`: most rows may have holes.
-        Raises a `ValueError` with line and column for the first bad cell, and for a loss of more
-        than half of the rows.
+        Rows with holes in these are left out. `rows`: first and last row, from 1; default: all
+        rows, unless they are of several specimens. `sparse`: most rows may have holes. Raises a
+        `ValueError` with line and column for the first bad cell, and for a loss of more than half
+        of the rows.
         """
-        frame = self._frame(texts)
         first, last = rows or (1, MAX_ROWS)
-        total, frame = len(frame), frame.iloc[first - 1 : last]
+        frame = self._frame.iloc[first - 1 : last].copy()
+        words = self._word_rows(frame)
         values = {i: self.numbers.values(frame[i]) for i in numbers}
-        is_reading, notes = self._select_rows(
-            frame, values, is_part=rows is not None, sparse=sparse
-        )
-        if not is_reading.any():
-            rule = f"no row of numbers below line {self.line}" + (
-                f": it has {total} rows" if total else ""
-            )
-            raise ValueError(f"{self.source}: no readings: {rule}.")
-        frame = frame[is_reading]
-        numbers_by_index = {i: x[is_reading] for i, x in values.items()}
-        if time is not None and (seconds := read_seconds(frame[time], self.numbers)) is not None:
-            numbers_by_index[time] = seconds
-        texts_by_index = {i: frame[i].tolist() for i in texts}
-        return TableColumns(numbers_by_index, texts_by_index, frame.index.to_numpy(), notes)
-
-    def _select_rows(
-        self, frame: "pd.DataFrame", values: dict[int, np.ndarray], *, is_part: bool, sparse: bool
-    ) -> tuple[np.ndarray, tuple[str, ...]]:
-        """Mask of the rows with a reading, and notes of the others.
-
-        `values`: of the columns that are needed; `is_part`: the rows were chosen.
-        """
-        width, firsts = len(self.header), frame[0]
-        has_extra = (frame.iloc[:, width:-1] != "").any(axis=1).to_numpy()
-        begins = [str(cell) for cell in firsts]
-        # below rows that begin with a number, a word begins those of a mean and the like
-        is_named = np.array([text[:1].isalpha() and not _is_hole(text) for text in begins], bool)
-        is_named[: next((i for i, text in enumerate(begins) if is_number(text or "0")), None)] = (
-            False
-        )
-        finite = np.array([np.isfinite(x) for x in values.values()], dtype=bool)
-        is_reading = finite.all(axis=0) & ~(has_extra | is_named | (frame["short"] == "1"))
+        has_extra = (frame.iloc[:, len(self.header) :] != "").any(axis=1).to_numpy()
+        is_finite = np.isfinite([*values.values(), np.zeros(len(frame))]).all(axis=0)
+        is_reading = is_finite & ~has_extra & ~words
         word_lines, holes = list[int](), list[int]()
         for row in np.flatnonzero(~is_reading):
-            line, cells = int(frame.index[row]), [str(cell) for cell in frame.iloc[row, :-1]]
-            needed = {i: cells[i] for i in values}
+            line, cells = int(frame.index[row]), [str(cell) for cell in frame.iloc[row]]
             bad = [i for i, x in values.items() if np.isnan(x[row]) and not _is_hole(cells[i])]
-            if is_named[row] or (bad and not any(map(is_number, needed.values()))):
-                self._check_header(cells[:width], line, int(row) + 1)
-                if _SPECIMEN.fullmatch(cells[0]) and not is_part:
+            if words[row] or (bad and not any(is_number(cells[i]) for i in values)):
+                self._check_header(cells[: len(self.header)], line, int(row) + 1)
+                if _SPECIMEN.fullmatch(cells[0]) and rows is None:
                     before = f"{self.source}, line {line}: another specimen: read the first with "
                     raise MissingMetadataError(before, ("rows", "", f"1:{row}", ", or all with 1:"))
                 word_lines.append(line)
             elif has_extra[row]:
-                raise self._width_error(line, _trim(cells))
+                raise self._width_error(line, len(_trim(cells)))
             elif bad:
                 raise self._number_error(line, cells[bad[0]], bad[0])
             else:
                 holes.append(line)
         count = int(is_reading.sum())
-        if not sparse and count and len(holes) > _MAX_LOSS * (count + len(holes)):
-            raise ValueError(
-                f"{self.source}, line {holes[0]}: {len(holes)} of {count + len(holes)} rows have"
-                " holes: fill or delete them, resample channels to one rate, or choose other"
-                " columns."
-            )
+        if not count:
+            rule = f"no row of numbers below line {self.line}"
+            rule += f": it has {len(self._frame)} rows" if len(self._frame) else ""
+            raise ValueError(f"{self.source}: no readings: {rule}.")
+        if not sparse and len(holes) > _MAX_LOSS * (count + len(holes)):
+            rule = f"{len(holes)} of {count + len(holes)} rows have holes: fill or delete them,"
+            rule += " resample channels to one rate, or choose other columns"
+            raise ValueError(f"{self.source}, line {holes[0]}: {rule}.")
         notes = [
             f"{len(lines)} {'row' if len(lines) == 1 else 'rows'} {kind} left out, the first in"
             f" line {lines[0]}"
             for kind, lines in (("with holes", holes), ("of words", word_lines))
             if lines
         ]
-        return is_reading, tuple(notes)
+        for i, x in values.items():
+            frame[i] = x
+        return frame[is_reading], notes
 
-    def _frame(self, texts: Sequence[int]) -> "pd.DataFrame":
-        """Cells of the rows that are neither blank, remarks nor the header, by line of the file.
+    @staticmethod
+    def _word_rows(frame: "pd.DataFrame") -> np.ndarray:
+        """Mask of rows that begin with a word below one that begins with a number: of a mean and
+        the like.
+        """
+        begins = frame[0].astype(str).tolist()
+        start = next((i for i, text in enumerate(begins) if is_number(text or "0")), len(begins))
+        is_word = [text[:1].isalpha() and not _is_hole(text) for text in begins]
+        return np.array(is_word, dtype=bool) & (np.arange(len(begins)) > start)
 
-        Columns in which all cells are numbers are numbers, but for `texts`. A last column `short`
-        has 1 for a row between blanks with a cell too few.
+    @cached_property
+    def _frame(self) -> "pd.DataFrame":
+        """Cells of the rows that are neither blank, remarks nor the header, by line of the file;
+        columns of numbers alone are numbers.
         """
         require("pandas")
         import pandas as pd
 
-        width, delimiter = len(self.header), self.delimiter
-        numbers = [i for i, line in enumerate(self.body)
+        delimiter = self.delimiter
+        indices = [i for i, line in enumerate(self.body)
                    if line.strip() and not (line[0] in " \t#%/" and is_remark(line))]  # fmt: skip
-        lines = [self.body[i] for i in numbers]
-        if delimiter.isspace() and delimiter != "\t":
+        lines = [self.body[i] for i in indices]
+        if self.row_width:
             blanks = re.compile(f"[ \t]{{{len(delimiter)},}}")
             lines, delimiter = [blanks.sub("\t", line.strip()) for line in lines], "\t"
-        cell_count = 1 + max((line.count(delimiter) for line in lines), default=0)
-        if cell_count > _MAX_COLUMNS:
+            # which cell is missing between blanks is unknown
+            holes = "\t".join("?" * self.row_width)
+            lines = [holes if line.count("\t") + 1 < self.row_width and not line[0].isalpha()
+                     else line for line in lines]  # fmt: skip
+        width = 1 + max((line.count(delimiter) for line in lines), default=0)
+        if width > _MAX_COLUMNS:
             raise ValueError(f"{self.source}: more than {_MAX_COLUMNS} cells in a row.")
-        columns = range(max(cell_count, width))
+        columns = range(max(width, len(self.header)))
+        if not lines:
+            return pd.DataFrame({i: pd.Series(dtype=object) for i in columns})
         # numbers with signs that have two meanings are examined as text
         is_text = self.numbers.grouped or self.numbers.unclear
-        kinds: dict[Hashable, type[str]] = dict.fromkeys(columns if is_text else texts, str)
-        if not lines:
-            return pd.DataFrame({i: pd.Series(dtype=object) for i in [*columns, "short"]})
         try:
             frame = pd.read_csv(
                 io.StringIO("\n".join(lines)), sep=delimiter, header=None, names=columns,
-                dtype=kinds, decimal=self.numbers.decimal, na_filter=False, low_memory=False,
-                skip_blank_lines=False, skipinitialspace=True,
+                dtype=str if is_text else None, decimal=self.numbers.decimal, na_filter=False,
+                low_memory=False, skip_blank_lines=False, skipinitialspace=True,
             )  # fmt: skip
         except pd.errors.ParserError as error:
             text = " ".join(str(error).split()).rstrip(".")
             raise ValueError(f"{self.source}: no rows of a table: {text}.") from None
         if len(frame) < len(lines):
-            raise ValueError(
-                f"{self.source}: a quote in it has no end in its line: close or drop it."
-            )
+            rule = "a quote in it has no end in its line: close or drop it"
+            raise ValueError(f"{self.source}: {rule}.")
         for i in columns:
             if not pd.api.types.is_numeric_dtype(frame[i]) or frame[i].dtype == bool:
                 frame[i] = frame[i].fillna("").astype(str).str.strip()
-        short = [line.count("\t") + 1 < self.row_width for line in lines] if self.row_width else ""
-        frame["short"] = np.where(short, "1", "")
-        frame.index = pd.Index(self.first + np.array(numbers))
-        cells = frame.iloc[:, :-1]
-        is_row = (cells != "").any(axis=1)
+        frame.index = pd.Index(self.first + np.array(indices))
+        is_row = (frame != "").any(axis=1)
         for names in (self.header, self.units):
-            is_row &= ~(cells.iloc[:, :width] == list(names)).all(axis=1)
+            is_row &= ~(frame.iloc[:, : len(names)] == list(names)).all(axis=1)
         return frame.loc[is_row]
 
     def _check_header(self, row: Sequence[str], line: int, count: int) -> None:
@@ -283,23 +270,20 @@ class Table(TableHeader):
             is_other = any(map(differ, row, self.header))
         else:
             row = _without_label(row) or row
-            pairs = [
-                (strip_brackets(a), strip_brackets(b)) for a, b in zip(row, units, strict=False)
-            ]
+            pairs = zip(map(strip_brackets, row), map(strip_brackets, units), strict=False)
             is_other = _are_units(row) and any(a != b for a, b in pairs if a)
         if is_other:
             before = f"{self.source}, line {line}: another header than in line {self.line}: split"
             choice = ("rows", "", f"1:{count - 1}", ", for those above it")
             raise MissingMetadataError(f"{before} the file there, or give ", choice)
 
-    def _width_error(self, line: int, row: Sequence[str]) -> ValueError:
-        """The error for a row with more cells than the header."""
-        message = (
-            f"{len(row)} cells, where the header has {len(self.header)}: quote or drop the odd ones"
-        )
-        if self.delimiter == "," and len(row) <= 2 * len(self.header):
-            message += ", or part the columns by semicolons if decimals stand after commas"
-        return ValueError(f"{self.source}, line {line}: {message}.")
+    def _width_error(self, line: int, count: int) -> ValueError:
+        """The error for a row with a `count` of cells above the header's."""
+        width = len(self.header)
+        rule = f"{count} cells, where the header has {width}: quote or drop the odd ones"
+        if self.delimiter == "," and count <= 2 * width:
+            rule += ", or part the columns by semicolons if decimals stand after commas"
+        return ValueError(f"{self.source}, line {line}: {rule}.")
 
     def _number_error(self, line: int, text: str, column: int) -> ValueError:
         """The error for a cell that holds no number."""
@@ -326,7 +310,6 @@ def open_table(
     source: str,
     header_line: int | None = None,
     names: Sequence[str] = (),
-    *,
     decimal: str | None = None,
 ) -> Table:
     """Read the header of a table from the `raw` bytes of a text file; its cells stay text.
@@ -339,17 +322,11 @@ def open_table(
     head, remarks = _first_lines(lines, source)
     if not head:
         raise ValueError(f"{source}: empty: it needs a header and at least one row below it.")
-    header_index = None
-    if header_line is not None:
-        header_index = next(
-            (i for i, (number, _) in enumerate(head) if number == header_line), None
-        )
-        if header_index is None:
-            raise ValueError(
-                f"{source}, line {header_line}: no header can stand there: name one of the first"
-                f" {_HEAD_LINES} lines that is neither blank nor a remark."
-            )
-    layout = _find_layout([text for _, text in head], header_index)
+    header_indices = {number: i for i, (number, _) in enumerate(head)}
+    if header_line is not None and header_line not in header_indices:
+        rule = f"name one of the first {_HEAD_LINES} lines that is neither blank nor a remark"
+        raise ValueError(f"{source}, line {header_line}: no header can stand there: {rule}.")
+    layout = _find_layout([text for _, text in head], header_indices.get(header_line or 0))
     cells = [split_cells(text, layout.delimiter) for _, text in head]
     if layout.header is not None:
         line, text = head[layout.header]
@@ -358,28 +335,27 @@ def open_table(
     else:
         line, last, titles = head[layout.start][0], layout.start - 1, head[: layout.start]
         header = _headless(remarks if last < 0 else [], names, layout, f"{source}, line {line}")
+    rule = ""
     if header and "->" in header[0]:
         rule = "remove the clock of the serial monitor before each line, or switch it off"
+    elif any(len(name) > LONGEST_NAME for name in header):
+        rule = f"a column's name is longer than {LONGEST_NAME} characters: write # before lines"
+        rule += " above the header"
+    if rule:
         raise ValueError(f"{source}, line {line}: {rule}.")
-    if any(len(name) > LONGEST_NAME for name in header):
-        raise ValueError(
-            f"{source}, line {line}: a column's name is longer than {LONGEST_NAME}"
-            " characters: write # before lines above the header."
-        )
     first = head[last + 1][0] if last + 1 < len(head) else len(lines) + 1
     body = lines[first - 1 :]
     if len(body) > MAX_ROWS:
-        raise ValueError(
-            f"{source}: more than {MAX_ROWS} rows: keep every tenth, or split the file."
-        )
+        rule = f"more than {MAX_ROWS} rows: keep every tenth, or split the file"
+        raise ValueError(f"{source}: {rule}.")
     step = max(len(body) // _SAMPLE_ROWS, 1)
     sample = [split_cells(text, layout.delimiter) for text in body[::step] if not is_remark(text)]
+    numbers = _detect_format(sample, layout.delimiter, decimal)
     units = (*_unit_row(cells, layout), *[""] * len(header))[: len(header)]
-    is_blank = layout.delimiter.isspace() and layout.delimiter != "\t"
     return Table(
         source, tuple(header), line, units, tuple(remarks), tuple(printable(t) for _, t in titles),
-        body, layout.delimiter, detect_format(sample, layout.delimiter, decimal), first,
-        layout.width if is_blank else 0,
+        body, first, layout.delimiter, numbers,
+        layout.width if layout.delimiter in (" ", "  ") else 0,
     )  # fmt: skip
 
 
@@ -395,25 +371,20 @@ def _headless(
     """Names of the columns of a table without header: those given, or a remark as NumPy's."""
     width = layout.width
     if len(names) > width:
-        raise ValueError(
-            f"{where}: {len(names)} columns were named, but it has {width}: name each in its place,"
-            " `-` for one to skip."
-        )
+        rule = f"{len(names)} columns were named, but it has {width}"
+        raise ValueError(f"{where}: {rule}: name each in its place, `-` for one to skip.")
     if names:
         return [*names, *[""] * (width - len(names))]
-    header, units = [
-        cells if len(cells) == width and not any(map(is_number, cells)) else []
-        for cells in ([split_cells(text, layout.delimiter) for text in ["", "", *remarks][-2:]])
-    ]
-    if header and units and _are_units(units):
-        return [f"{name} [{unit}]" for name, unit in zip(header, units, strict=True)]
-    if units:  # the last remark has the names
-        return units
-    before = (
-        f"{where}: no header, but numbers in {width} columns: name the columns in order, as in "
-    )
+    rows = [split_cells(text, layout.delimiter) for text in ["", "", *remarks][-2:]]
+    rows = [cells if len(cells) == width and not any(map(is_number, cells)) else []
+            for cells in rows]  # fmt: skip
+    if all(rows) and _are_units(rows[1]):
+        return [f"{name} [{unit}]" for name, unit in zip(*rows, strict=True)]
+    if rows[1]:  # the last remark has the names
+        return rows[1]
+    rule = f"no header, but numbers in {width} columns: name the columns in order, as in "
     after = f"; `-` skips a column; the names are {', '.join(ROLES)}"
-    raise MissingMetadataError(before, ("columns", "", EXAMPLE_NAMES, after))
+    raise MissingMetadataError(f"{where}: {rule}", ("columns", "", EXAMPLE_NAMES, after))
 
 
 def _first_lines(lines: Sequence[str], source: str) -> tuple[list[tuple[int, str]], list[str]]:
@@ -423,11 +394,9 @@ def _first_lines(lines: Sequence[str], source: str) -> tuple[list[tuple[int, str
     head: list[tuple[int, str]] = []
     remarks: list[str] = []
     for number, text in enumerate(lines, 1):
-        if len(head) == _HEAD_LINES:
-            break
+        if len(head) == _HEAD_LINES or (head and len(text) > _LONGEST_LINE):
+            break  # a long line below doesn't concern the header
         if len(text) > _LONGEST_LINE:
-            if head:
-                break  # a long line below doesn't concern the header
             raise ValueError(f"{source}, line {number}: too long for a table's header.")
         if max(len(text.split(sign)) for sign in ("\t", ";", "|", ",", None)) > _MAX_COLUMNS:
             rule = f"more than {_MAX_COLUMNS} columns: keep those of the muscle"
@@ -448,12 +417,11 @@ def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:
     above them with as many cells, units may stand between. Without readings it is the first line.
     """
     headless: list[tuple[float, _Layout]] = []
+    first_row = 0 if header_index is None else header_index + 1
     for delimiter in _DELIMITERS:
         cells = [split_cells(text, delimiter) for text in lines]
         counts = [sum(map(is_number, row)) for row in cells]
-        is_row = [
-            n > 1 and (header_index is None or i > header_index) for i, n in enumerate(counts)
-        ]
+        is_row = [count > 1 and i >= first_row for i, count in enumerate(counts)]
         edges = np.flatnonzero(np.diff([False, *is_row, False])).tolist()
         blocks: list[tuple[int, _Layout]] = []
         for start, end in zip(edges[::2], edges[1::2], strict=True):
@@ -475,9 +443,8 @@ def _find_layout(lines: Sequence[str], header_index: int | None) -> _Layout:
             if layout.header is not None:
                 return layout
             rows = cells[layout.start : layout.start + size]
-            written = [cell for row in rows for cell in row if cell]
-            number_share = sum(map(is_number, written)) / len(written)
-            headless.append((number_share, layout))
+            is_numbers = [is_number(cell) for row in rows for cell in row if cell]
+            headless.append((float(np.mean(is_numbers)), layout))
     if headless:  # of several delimiters the one that leaves numbers
         return max(headless, key=lambda pair: pair[0])[1]
     first = header_index or 0
@@ -493,9 +460,7 @@ def _header_above(
     headers, units = [], None
     for i in range(start - 1, max(start - 1 - _HEADER_REACH, -1), -1):
         row = cells[i]
-        if not any(character.isalpha() for cell in row for character in cell):
-            continue
-        if any(map(is_number, row)):
+        if any(map(is_number, row)) or not any(sign.isalpha() for sign in "".join(row)):
             continue
         if units is None and i != header_index and _are_units(row):
             units = i
@@ -555,7 +520,7 @@ def decode(raw: bytes, source: str) -> str:
 
 def is_remark(line: str) -> bool:
     """True for a line after a remark's sign; units in a row may begin with one, too: `%,N`."""
-    return line.lstrip().startswith(_REMARK) and not (
+    return line.lstrip().startswith(("#", "%", "//")) and not (
         len(cells := re.split(r"[\t,;|]", line)) > 1 and all(map(is_unit, cells))
     )
 
@@ -596,21 +561,15 @@ def is_number(cell: str) -> bool:
     return bool(NUMBER.fullmatch(cell) or _GROUPED.fullmatch(cell))
 
 
-def detect_format(
-    rows: Sequence[Sequence[str]], delimiter: str, decimal: str | None = None
-) -> NumberFormat:
-    """Format of the numbers in `rows` of cells of a table with a `delimiter`; `decimal`: the sign
-    before decimals, if it is known.
-    """
+def _detect_format(rows: Sequence[list[str]], delimiter: str, decimal: str | None) -> NumberFormat:
+    """Format of the numbers in `rows` of cells; `decimal`: the sign before decimals, if known."""
     if decimal is not None:
-        if decimal not in (".", ","):
-            raise InvalidInputError("decimal", 'must be "." or ","', decimal)
         return NumberFormat(decimal, grouped=True)
     cells = [cell for row in rows for cell in row]
     matches = [match for match in map(_GROUPED.fullmatch, cells) if match]
     tails = {match["tail"][0] for match in matches if match["tail"]}
     if len(tails) == 1:
-        return NumberFormat(tails.pop(), True)
+        return NumberFormat(tails.pop(), grouped=True)
     # decimals that can't be thousands make the meaning of others clear
     clear = [cell for cell in cells if not _may_be_thousands(cell)]
     points, commas = (any(map(kind.fullmatch, clear)) for kind in (_POINT, _COMMA))
@@ -631,18 +590,17 @@ def _may_be_thousands(cell: str) -> bool:
     return match is not None and not match["tail"] and cell.lstrip("+-")[0] != "0"
 
 
-def _has_integers_beside_thousands(rows: Sequence[Sequence[str]]) -> bool:
+def _has_integers_beside_thousands(rows: Sequence[list[str]]) -> bool:
     """True if `1.010` stands in a column with `950`, or in the only column with signs beside
     columns of integers: an instrument that writes three decimals writes `950.000`.
     """
-    width = max(map(len, rows), default=0)
-    columns = [[row[i] for row in rows if i < len(row) and is_number(row[i])] for i in range(width)]
-    grouped = [list(map(_may_be_thousands, column)) for column in columns if column]
+    columns = (filter(is_number, column) for column in zip_longest(*rows, fillvalue=""))
+    grouped = [list(map(_may_be_thousands, column)) for column in columns]
     mixed = [column for column in grouped if any(column) and not all(column)]
-    return bool(mixed) or (len(grouped) > 1 == sum(map(any, grouped)))
+    return bool(mixed) or (sum(map(bool, grouped)) > 1 == sum(map(any, grouped)))
 
 
-def read_seconds(cells: "Sequence[str] | pd.Series", numbers: NumberFormat) -> np.ndarray | None:
+def read_seconds(cells: Iterable[object], numbers: NumberFormat) -> np.ndarray | None:
     """Times: numbers as they are, in their column's unit; clock times from the first one on [s],
     with their dates if they have them; `None` for other texts, and where day and month of a date
     may be swapped.
@@ -672,7 +630,6 @@ def read_seconds(cells: "Sequence[str] | pd.Series", numbers: NumberFormat) -> n
             dates = pd.to_datetime(texts, format="mixed", dayfirst=day_first, utc=True)
         except (ValueError, OverflowError):
             continue
-        answers.append((dates - dates.iloc[0]).dt.total_seconds().to_numpy())
-    if not answers or any(not np.array_equal(answers[0], seconds) for seconds in answers):
-        return None
-    return np.round(answers[0], 6)
+        answers.append(np.round((dates - dates.iloc[0]).dt.total_seconds().to_numpy(), 6))
+    is_clear = bool(answers) and np.array_equal(answers[0], answers[-1])
+    return answers[0] if is_clear else None

@@ -1,12 +1,13 @@
 import pytest
 
 from fascicle.records.headers import choose_columns, unit_factor
+from fascicle.records.sidecar import Sidecar
 from fascicle.records.tables import open_table
 
 
 def chosen(header, columns=None, units=None):
     table = open_table(header.encode() + b"\n", "m.csv")
-    return choose_columns(table, columns or {}, units or {})[0]
+    return choose_columns(table, Sidecar(columns=columns or {}, units=units or {}))[0]
 
 
 COLUMNS = {

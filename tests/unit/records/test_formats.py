@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.core.errors import MissingExtraError
+from fascicle.core.errors import InvalidInputError, MissingExtraError
 from fascicle.records import load, loads, runs
 from fascicle.records.headers import MissingMetadataError
 
@@ -329,8 +329,9 @@ def test_thousands_that_may_be_decimals_are_refused():
     assert_allclose(loads(clear, rest_length=REST).pressure, [200e3, 200.1e3])
     assert asked_decimals("t [s];p [kPa];F [mN];L [mm]\n0.5;200.1;1,118;180\n") == {"."}
     assert asked_decimals('t [s],p [kPa],F [mN],L [mm]\n0,200,"1,118",180\n') == {".", ","}
-    with pytest.raises(ValueError, match=r'`decimal` must be "." or ","'):
+    with pytest.raises(InvalidInputError) as error:
         loads(clear, rest_length=REST, decimal="'")
+    assert error.value.argument == "decimal"
 
 
 def test_thousands_beside_integers_are_refused_until_the_decimal_sign_is_given():
