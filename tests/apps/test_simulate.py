@@ -21,9 +21,10 @@ SHORT = (
 def test_a_table_files_and_a_page(fascicle, tmp_path):
     (tmp_path / "a.toml").write_text(SHORT)
     code, out, err = fascicle(
-        "simulate", "a.toml", "-o", "a.nc", "--plot", "a.png", "--report", "a.html"
-    )
-    assert (code, err) == (0, "") and "wrote a.nc" in out
+        "simulate", "a.toml", "-o", "a.nc", "--plot", "a.png", "--report", "a.html",
+        "--bode", "bode.pdf",
+    )  # fmt: skip
+    assert (code, err) == (0, "") and all(f"wrote {x}" in out for x in ("a.nc", "bode.pdf"))
     data = read(tmp_path / "a.nc")
     assert data.sizes["time"] == 41
     assert "<h1" in (tmp_path / "a.html").read_text()
@@ -53,9 +54,9 @@ RAMP = "[[demand]]".join([_, FIRST, BETWEEN, LAST])
 def test_a_run_that_is_controlled_says_what_it_was_worth(fascicle):
     code, out, err = fascicle(
         "simulate", "ramp_hand_over", "--json", "-o", "a.nc", "--plot", "a.svg",
-        "--report", "a.html",
+        "--report", "a.html", "--bode", "bode.svg",
     )  # fmt: skip
-    assert (code, err) == (0, "")
+    assert (code, err) == (0, "") and "pressure loop" in Path("bode.svg").read_text()
     found = json.loads(out)
     assert found["control_drawdown"] < 0.1 * found["control_dip"]
     assert (found["control_recruited"], found["control_unreachable"]) == (1, 0)

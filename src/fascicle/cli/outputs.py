@@ -16,6 +16,7 @@ from .errors import UserError, user_errors
 from .terminal import print_line, status
 
 
+PICTURES = (".png", ".svg", ".pdf")
 SOURCE = "fascicle; laws of Kim, Mazzoleni and Bryant (2021), Actuators 10, 42"
 
 
@@ -44,6 +45,12 @@ def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> Non
     """Write a text file, whole or not at all."""
     with replace_output(option, path, overwrite) as draft:
         draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def write_picture(option: str, path: str | Path, overwrite: bool, figure: Any) -> None:
+    """Write a `figure`, whole or not at all, as the file's suffix says."""
+    with replace_output(option, path, overwrite) as draft:
+        draft.write_bytes(fs.plot.to_bytes(figure, draft.suffix.lower()[1:]))
 
 
 def today() -> str:
@@ -83,7 +90,7 @@ class Outputs:
                 check_result_path(out)
                 atomic.check_overwrite(out, overwrite)
         if plot is not None:
-            check_file("--plot", plot, overwrite, (".png", ".svg", ".pdf"))
+            check_file("--plot", plot, overwrite, PICTURES)
 
     def write(
         self,
@@ -110,8 +117,7 @@ class Outputs:
                 update("drawing the picture")
                 with user_errors():
                     drawn = figure()
-                with replace_output("--plot", self.plot, self.overwrite) as draft:
-                    draft.write_bytes(fs.plot.to_bytes(drawn, draft.suffix.lower()[1:]))
+                write_picture("--plot", self.plot, self.overwrite, drawn)
         if self.as_json:
             print(labelled.to_json(variables))
         elif self.as_csv:

@@ -9,7 +9,7 @@ from .. import files
 from .errors import UserError, user_errors
 from .inputs import read_scenario
 from .options import Text, argument, flag, option, with_options
-from .outputs import Outputs, check_file, today, write_text
+from .outputs import PICTURES, Outputs, check_file, today, write_picture, write_text
 from .terminal import print_line, print_table, print_text, status
 
 
@@ -30,6 +30,9 @@ def simulate(
         autocompletion=_complete_scenario,
     ),
     report: Text = option("HTML page with traces and energy balances.", "PATH"),
+    bode: Text = option(
+        "Bode diagram about the end of the run, and of the pressure loops: PNG, SVG or PDF.", "PATH"
+    ),
     policy: Text = option("Policy, such as batch or hand_over; default: the file's.", "NAME"),
     compare: bool = flag("Comparison of all policies: drawdown against energy.", "--compare"),
     compensate: bool | None = option(
@@ -42,16 +45,22 @@ def simulate(
     """
     if report is not None:
         check_file("--report", report, outputs.overwrite, [".html"])
-    if compare and policy is not None:
-        raise UserError("--compare runs every policy: drop --policy.")
+    if bode is not None:
+        check_file("--bode", bode, outputs.overwrite, PICTURES)
+    if compare and (policy is not None or bode is not None):
+        raise UserError("--compare runs every policy: drop --policy and --bode.")
     study = read_scenario(scenario)
     if policy is not None or compensate is not None:
         with user_errors():
             study = study.with_policy(policy, compensate)
-    return (_compare_policies if compare else _simulate)(study, outputs, report)
+    if compare:
+        return _compare_policies(study, outputs, report)
+    return _simulate(study, outputs, report, bode)
 
 
-def _simulate(study: "files.Scenario", outputs: Outputs, report: str | None) -> int:
+def _simulate(
+    study: "files.Scenario", outputs: Outputs, report: str | None, bode: str | None
+) -> int:
     """Run a scenario once, print and write the results; returns the exit code."""
     from ..dynamics.audit import audit_run
     from ..report import simulation as pages
@@ -80,6 +89,14 @@ def _simulate(study: "files.Scenario", outputs: Outputs, report: str | None) -> 
     )
     if report is not None:
         _write_report(report, outputs, pages.report(study, result, balances, doubts, today()))
+    if bode is not None:
+        from ..plot.frequency import bode as draw_bode
+
+        with status("linearizing"), user_errors("--bode: "):
+            drawn = draw_bode(study.plant, result.end, controlled[0])
+        write_picture("--bode", bode, outputs.overwrite, drawn)
+        if not (outputs.as_json or outputs.as_csv):
+            print_line(f"wrote {bode}")
     return _print_doubts({f"{study.name}: the run": doubts})
 
 

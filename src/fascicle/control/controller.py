@@ -139,6 +139,12 @@ class Cascade(Module):
         """Gain margin [-] and phase margin [rad] of its pressure loops, (K8)."""
         return loop_margins(self.gains.pressure_time, valve_lag(self.plant), self._total_delay)
 
+    def loop_response(self, frequency: Values) -> np.ndarray:
+        """Response $L$ [-] of its pressure loops, (K8), complex, at each `frequency` [Hz]."""
+        s = 2j * np.pi * np.asarray(frequency, float)
+        lag, tau = valve_lag(self.plant), float(self.gains.pressure_time)
+        return np.exp(-s * self._total_delay) / (tau * s * (1 + lag * s))
+
     @property
     def _total_delay(self) -> float:
         """Delay of valves, measurements and samples [s]."""

@@ -22,7 +22,7 @@ from jax.flatten_util import ravel_pytree
 
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers, Values
-from ..core.validation import check_choice
+from ..core.validation import check_choice, check_finite
 from ..fluid import Solenoid, validate_commands
 from .chamber_pressure import muscle_volumes
 from .motion import State, evaluate_plant, relaxed_friction, time_derivative
@@ -51,6 +51,14 @@ class LinearModel(NamedTuple):
     inputs: dict[str, str]
     outputs: dict[str, str]
     rate: np.ndarray
+
+    def frequency_response(self, frequency: Values) -> np.ndarray:
+        """Response $C (s I - A)^{-1} B + D$ [SI], complex, at each `frequency` [Hz], which is the
+        first axis; then outputs and inputs.
+        """
+        s = 2j * np.pi * np.atleast_1d(check_finite(frequency, "frequency", "Hz"))
+        pencil = s[:, None, None] * np.eye(len(self.A)) - self.A
+        return self.C @ np.linalg.solve(pencil, self.B + 0j * s[:, None, None]) + self.D
 
     def to_control(self) -> Any:
         """The model as a `StateSpace` of python-control, which must be installed."""

@@ -89,6 +89,13 @@ def test_margins_are_those_of_a_frequency_sweep(pair):
     one, turn = np.argmin(np.abs(np.abs(loop) - 1)), np.argmin(np.abs(phase + np.pi))
     assert_allclose(margins.phase, np.pi + phase[one], rtol=1e-3)
     assert_allclose(margins.gain, 1 / np.abs(loop[turn]), rtol=1e-3)
+    # a controller's own loop has its margins
+    air = fluid.ConstantSupply(413.7e3), fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3)
+    load, servo = dynamics.PrescribedMotion(0.01), fluid.Servovalve(lag)
+    plant = dynamics.Plant(pair, load, *air, spool=servo)
+    gains = control.Gains(pressure_time=tau)
+    controller = control.cascade(plant, "threshold", gains=gains, delay=0.009)
+    assert_allclose(controller.loop_response(w / (2 * np.pi)), loop)
     # (K3a): 61° where a delay alone is late, no gain margin's end without one
     assert_allclose(np.degrees(control.loop_margins(2.0, 0.0, 1.0).phase), 61.35, atol=0.01)
     assert control.loop_margins(1.0, 0.5, 0.0).gain == np.inf

@@ -29,6 +29,10 @@ def test_a_model_agrees_with_differences_of_runs(servo):
     assert model.outputs["pressure 2"] == "Pa" and model.states["mass 1"] == "kg"
     assert_allclose(model.B[1], [0, 0, 1 / 12.0])
     assert_allclose(model.rate, 0.0, atol=1e-6)
+    # x' = A x + B u with x = X exp(s t)
+    s = 2j * np.pi * 3.0
+    states = np.linalg.inv(s * np.eye(8) - model.A) @ model.B
+    assert_allclose(model.frequency_response([1.0, 3.0])[1], model.C @ states + model.D)
     gas, duration = servo.chamber, 0.02
 
     def run(x):
