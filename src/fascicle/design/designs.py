@@ -29,14 +29,14 @@ from ..muscle import Muscle
 from .task import Task
 
 
-_SIZES = ("outer_radius", "wall_thickness", "braid_angle")
+SIZES = ("outer_radius", "wall_thickness", "braid_angle")
 
 
 def scaled_muscle(drawing: Muscle, sizes: Float[np.ndarray, "*any 4"]) -> Muscle:
     """A `drawing` with `sizes`: length, outer radius and thickness of the wall [m], and braid angle
     [rad]; many muscles as one.
     """
-    names = ("length", *_SIZES)
+    names = ("length", *SIZES)
     return with_fields(drawing, **dict(zip(names, np.moveaxis(sizes, -1, 0), strict=True)))
 
 
@@ -99,7 +99,7 @@ class Designs:
     def of(cls, muscle: Muscle, counts: Any, name: str = "muscle") -> "Designs":
         """Designs of one `muscle` with a `name`; `counts`: muscles in each unit [-], a row each."""
         n = pad_rows([[int(x) for x in row if x] for row in counts])
-        sizes = [np.full(n.shape, float(getattr(muscle, size))) for size in _SIZES]
+        sizes = [np.full(n.shape, float(getattr(muscle, size))) for size in SIZES]
         length = np.full(len(n), float(muscle.length))
         return cls({name: muscle}, np.zeros(len(n), int), n, length, *sizes)
 

@@ -18,19 +18,19 @@ import numpy as np
 from ..bundle.states import is_prefix_consistent
 from ..core.array_namespace import slices
 from ..core.errors import InvalidInputError
+from ..core.module import with_fields
 from ..core.types import Float, Int, Numbers
 from ..core.validation import LARGEST_STRAIN
 from ..muscle import Muscle
 from ..muscle.buckling import ROUNDING
 from ..muscle.piecewise import Piecewise
-from .designs import Designs, scaled_muscle
+from .designs import SIZES, Designs, scaled_muscle
 from .objectives import OBJECTIVES, check_objectives
 from .outcome import ForceTable, Outcome, outcome, overlaps, recruitment_states, reversal_depths
 from .task import Task
 
 
-_BATCH = 2**20  # numbers computed together, some ten megabytes
-_IN_CACHE = 2**16  # forces computed together: what stays in a processor's cache
+_BATCH = 2**17  # numbers computed together: what stays in a processor's cache
 
 Values = dict[str, Float[np.ndarray, " design"]]
 
@@ -101,10 +101,10 @@ def outcomes(
     if scheme.independent or is_prefix_consistent(scheme, columns):
         units = np.full(len(designs), columns)  # fewer have the first states of more
     # together: designs of one drawing and number of units, either all of one muscle each or not
-    keys = np.stack([designs.kind, units, designs.uniform], axis=1)
-    for key in np.unique(keys, axis=0):
-        index = np.flatnonzero(np.all(keys == key, axis=1))
-        group = designs.take(index, int(key[1]))
+    keys = 2 * (designs.kind * (columns + 1) + units) + designs.uniform
+    for key in np.unique(keys):
+        index = np.flatnonzero(keys == key)
+        group = designs.take(index, int(units[index[0]]))
         for portion, batch in _batches(group, task, needs, resolution, factor[index]):
             yield index[portion], batch
 
@@ -156,12 +156,18 @@ def _force_curves(
     muscle: Muscle, supply: float, resolution: Resolution
 ) -> tuple[float, Float[np.ndarray, "level strain muscle"]]:
     """Largest free strain of some muscles [-], and their forces [N] at every level up to there."""
-    zero = 0.0 * muscle.length
-    top = float(np.max(muscle.law.tension.free_strain(supply + zero)))
-    strain = top * np.linspace(0.0, 1.0, resolution.strains)[:, None] + zero
+    sizes = {name: getattr(muscle, name)[:, None] for name in ("length", *SIZES)}
+    law = with_fields(muscle, **sizes).law  # levels last
+    pressure = resolution.level * supply + 0.0 * sizes["length"]
+    top = float(law.tension.free_strain(pressure[:, -1:]).max())
+    strain = top * np.linspace(0.0, 1.0, resolution.strains)
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
-        pressurized = muscle.law.at(resolution.level[:, None, None] * supply + zero)
-        return top, pressurized.force(strain)[0]
+        force = _tension_force(law, pressure, strain[:, None, None])
+        # only where a muscle pushes: the law of buckling takes longest
+        point, level = np.nonzero((force == -np.inf).any(axis=1))
+        pushes = law.at(pressure).take(level).force(strain[point])[0]
+    force[point, :, level] = pushes.T
+    return top, np.moveaxis(force, -1, 0)
 
 
 def force_table(
@@ -212,12 +218,12 @@ def _largest_force(
     largest, pressure = np.maximum(vented, full), resolution.level[1:, None, None] * supply
     # a tuning's tables bend what is linear
     if not (drawing.tension.linear_in_pressure and drawing.tuning.pressures.shape[-1] == 1):
-        for block in slices(len(pressure), max(1, _IN_CACHE // largest.size)):
+        for block in slices(len(pressure), max(1, _BATCH // largest.size)):
             pulls = _tension_force(law, pressure[block] + zero, strain)
             largest = np.maximum(largest, pulls.max(axis=0))
     pushes = full < 0  # as it does wherever even the largest force is less
     points, muscles = (np.flatnonzero(pushes.any(axis=axis)) for axis in (1, 0))
-    step = max(1, _IN_CACHE // max(1, points.size * len(pressure)))
+    step = max(1, _BATCH // max(1, points.size * len(pressure)))
     for start in range(0, muscles.size, step):
         block = np.ix_(points, muscles[start : start + step])
         muscle = scaled_muscle(drawing, sizes[block[1][0]])

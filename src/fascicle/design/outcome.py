@@ -114,14 +114,20 @@ def recruitment_states(scheme: AbstractScheme, units: int) -> States:
     return states_of(scheme, units).sets(max_sets=MAX_FED_SETS)[0]
 
 
-def existing_states(scheme: AbstractScheme, counts: Counts) -> Bool[np.ndarray, "state design"]:
-    """Mask of the recruitment states that each design has: fewer units have fewer states."""
-    units, states = len(counts), recruitment_states(scheme, len(counts))
+@cache
+def _state_numbers(scheme: AbstractScheme, units: int) -> Int[np.ndarray, " unit"]:
+    """Number of recruitment states of a design with 0, 1, … of so many `units`."""
+    states = recruitment_states(scheme, units)
     if scheme.independent or not is_prefix_consistent(scheme, units):
         # sets with a unit that doesn't exist repeat those without it
-        return np.ones((states.size, counts.shape[1]), bool)
-    numbers = np.array([0, *(states_of(scheme, fewer).size for fewer in range(1, units + 1))])
-    return np.arange(states.size)[:, None] < numbers[np.sum(counts > 0, axis=0)]
+        return np.full(units + 1, states.size)
+    return np.array([0, *(recruitment_states(scheme, n).size for n in range(1, units + 1))])
+
+
+def existing_states(scheme: AbstractScheme, counts: Counts) -> Bool[np.ndarray, "state design"]:
+    """Mask of the recruitment states that each design has: fewer units have fewer states."""
+    numbers = _state_numbers(scheme, len(counts))
+    return np.arange(numbers[-1])[:, None] < numbers[np.sum(counts > 0, axis=0)]
 
 
 def outcome(
@@ -149,16 +155,20 @@ def outcome(
     def pressurized_sum(values: np.ndarray) -> np.ndarray:
         return np.moveaxis(values @ states.pressurized.T.astype(float), -1, 0)
 
-    low, high = states.edges(levels, vented, full)
+    if len(levels) == 1:  # the largest alone
+        low = high = states.sums(levels[0], vented, full)
+    else:
+        low, high = states.edges(levels, vented, full)
     high = np.where(has_state[:, None], high, -np.inf)
     F, stroke = task.force[:, None], task.stroke_of(length)
     is_possible = stroke <= LARGEST_STRAIN * length
     covers, miss = F - high <= FORCE_TOLERANCE, F - high
     if not states.gapless:
         covers, miss = covers & (low - F <= FORCE_TOLERANCE), np.maximum(miss, low - F)
-    # what flows back counts as nothing, as a set that feeds more isn't cheaper
-    cost = -1.0 if states.nested else pressurized_sum(np.maximum(volume, 0.0))
-    state = np.where(covers, cost, np.inf).argmin(0)
+    state = covers.argmax(axis=0)
+    if not states.nested:
+        # what flows back counts as nothing, as a set that feeds more isn't cheaper
+        state = np.where(covers, pressurized_sum(np.maximum(volume, 0.0)), np.inf).argmin(axis=0)
     top, miss = high.max(axis=0), np.maximum(miss.min(axis=0), 0.0)
     reached = (miss <= FORCE_TOLERANCE) & is_possible
     # where it can't be that short it is short of the force, and of what it pushes with there
