@@ -45,6 +45,7 @@ def design(
     ),
     population: int = option("Number of designs in a generation.", default=100, min=4, max=10_000),
     seed: options.Seed = 0,
+    plot: Text = option("The recommendation on one page: .pdf, .svg or .png.", "PATH"),
     overwrite: options.Overwrite = False,
     as_json: options.Json = False,
 ) -> int:
@@ -54,6 +55,8 @@ def design(
     misses and the changes that would make it safe.
     """
     folder = result_folder(out, f"designed-{Path(task).stem}", as_json, overwrite)
+    if plot is not None:
+        check_file("--plot", plot, overwrite, (".pdf", ".svg", ".png"))
     if generations is not None:
         require("pymoo")
     load_laws()
@@ -81,6 +84,12 @@ def design(
     if folder is not None:
         with status("drawing the report"):
             names = _write(answer, file.notes, seconds, folder, overwrite)
+    if plot is not None:
+        from ..report.design import sheet
+
+        with replace_output("--plot", plot, overwrite) as draft:
+            page = sheet(answer, today(), file.notes)
+            draft.write_bytes(fs.plot.to_bytes(page, draft.suffix.lower()[1:]))
     if as_json:
         print(_json(answer, file.notes))
     else:
@@ -107,13 +116,14 @@ def _print_answer(answer: "fs.design.Answer", notes: tuple[str, ...]) -> None:
     """Print what is recommended, or what is missing."""
     from ..report import design_summary as text
 
-    findings = answer.findings[0 if answer.is_recommended else 1 :]
+    findings = text.further_findings(answer)
     lines = [*text.headline(answer)]
     lines += [f"{x.severity.name.lower()}: {text.words(x, answer)}" for x in findings]
     if answer.changes:
         lines.append("Changes that would make it safe, each by itself:")
     lines += [f"- {line}" for line in text.remedy_lines(answer)]
     if answer.is_recommended:
+        lines += [f"part: {part}" for part in text.parts(answer)]
         lines += [f"{name}: {fact}" for name, fact in text.facts(answer).items()]
     for line in [*lines, *(f"note: {note}" for note in notes)]:
         print_line(line)

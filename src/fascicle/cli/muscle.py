@@ -2,11 +2,13 @@
 
 import inspect
 import json
+import re
 import sys
 import textwrap
+import tomllib
 from collections.abc import Mapping
 from importlib import resources
-from math import degrees
+from math import degrees, pi, sqrt
 from string import Template
 from typing import TYPE_CHECKING, Any
 
@@ -297,7 +299,9 @@ def init(
 
 
 def _with_load(text: str, mass: str, stroke: str) -> str:
-    """Template of a task with the weight of a `mass`, lifted by a `stroke`, as its load case."""
+    """Template of a task with the weight of a `mass`, lifted by a `stroke`, as its load case, and
+    with muscles for it.
+    """
     from ..design.summary import STANDARD_GRAVITY
 
     weight = parse(mass, "mass", "--mass") * STANDARD_GRAVITY
@@ -305,7 +309,16 @@ def _with_load(text: str, mass: str, stroke: str) -> str:
     head, _, remainder = text.partition("example = ")
     _, _, remainder = remainder.partition("# name =")
     load = f'name = "lift"\nforce = "{weight:.6g} N"\nstroke = "{travel:.6g} mm"'
-    return f"{head}{load}\n# name ={remainder}"
+    text = f"{head}{load}\n# name ={remainder}".replace("\nenvelope = {", "\n# envelope = {")
+    pressure = parse(tomllib.loads(text)["task"]["supply_pressure"], "pressure")
+    radius = 1e3 * sqrt(weight / (pressure * pi))  # of a piston that lifts it
+    for name, values in (
+        ("radius", (radius, sqrt(2) * radius)),
+        ("length", (5 * travel, 7 * travel, 10 * travel)),  # contractions of 20, 14 and 10 %
+    ):
+        listed = ", ".join(f'"{value:.3g} mm"' for value in values)
+        text = re.sub(rf"(?m)^{name} = .*$", f"{name} = [{listed}]", text)
+    return text
 
 
 def _with_product(text: str, sleeve: str, tube: str) -> str:

@@ -218,7 +218,7 @@ def _robustness(design: Designs, task: Task) -> dict[str, float]:
 
 def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> list[Finding]:
     """Findings on a search and its recommended, or nearest, recorded design."""
-    findings, safety = [], result.safety
+    findings, safety, reaches = [], result.safety, result.reaches_task
 
     def add(code: str, severity: Severity, **data: object) -> None:
         findings.append(Finding(f"design.{code}", severity, data))
@@ -228,14 +228,15 @@ def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> l
         share, demanded = safety.probability, safety.uncertainty.share
         add("unsafe", error, share=share, demanded=demanded, allowed=int(result.allowed.sum()))
     elif result.best is None:
-        reaching = int(result.reaches_task.sum())
-        add("limits_broken" if reaching else "out_of_reach", error, reaching=reaching)
+        add(
+            "limits_broken" if reaches.any() else "out_of_reach", error, reaching=int(reaches.sum())
+        )
     for name, limit in other_limits(result.limits).items():
-        values = result.values[name]
-        keeping = int(np.sum(limit.holds(values)))
-        if result.best is None and keeping < len(values) and result.judged <= len(values):
+        values = result.values[name][reaches]
+        costs = int(np.sum(~limit.holds(values)))
+        if costs and result.judged <= len(reaches):
             ends = {"least": float(values.min()), "most": float(values.max())}
-            add("limit_costs", note, objective=name, keeping=keeping, **ends)
+            add("limit_costs", note, objective=name, costs=costs, reaching=len(values), **ends)
     for name, reason in result.catalog.excluded(result.space.drawings, result.task).items():
         add("product_excluded", note, product=name, reason=reason)
     if result.best is None:

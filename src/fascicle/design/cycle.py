@@ -278,7 +278,8 @@ def _conductances(
 class CycleRun(NamedTuple):
     """Times of a run until the load is within the band about the `stroke` [m], `lifted`, and from
     the end of the hold until it is `released` [s], NaN if it never is; its `highest` position, and
-    the `lowest` one between its arrival and the end of the hold [m].
+    the `lowest` one between its arrival and the end of the hold [m]; the bundle's largest force on
+    the way, `peak_force` [N].
     """
 
     lifted: float
@@ -286,6 +287,7 @@ class CycleRun(NamedTuple):
     highest: float
     lowest: float
     stroke: float
+    peak_force: float
 
     @property
     def overshoot(self) -> float:
@@ -360,9 +362,10 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
     position, time = np.asarray(run.outputs.position), np.asarray(run.time)
     held = time <= end
     (near,), highest = np.nonzero(held & (position >= (1 - BAND) * stroke)), float(position.max())
+    peak = float(np.asarray(run.outputs.forces).sum(axis=-1).max())
     if not near.size:
-        return CycleRun(np.nan, np.nan, highest, np.nan, stroke)
+        return CycleRun(np.nan, np.nan, highest, np.nan, stroke, peak)
     lowest = float(position[near[0] : held.sum()].min())
     down = int(np.flatnonzero(position > _RELEASED * stroke)[-1]) + 1  # it may swing up again
     released = float(time[down] - end) if down < len(position) else np.nan
-    return CycleRun(float(time[near[0]]), released, highest, lowest, stroke)
+    return CycleRun(float(time[near[0]]), released, highest, lowest, stroke, peak)

@@ -110,16 +110,15 @@ class SearchResult:
 
     def pareto_front(self, candidates: Rows) -> Rows:
         """Indices of the `candidates` that no other dominates, best first in the first objective;
-        of equal ones the smallest.
+        of equal ones the smallest, of these the one with the largest margin.
         """
-        points = self._points_of(candidates)
+        points = _without_noise(self._points_of(candidates))
         mask = objectives.non_dominated(points)
-        front, points, size = candidates[mask], points[mask], self._sizes(candidates[mask])
-        _, group = np.unique(np.round(points, 12), axis=0, return_inverse=True)
-        least = np.full(len(front), np.inf)
-        np.minimum.at(least, group.ravel(), size)
-        smallest = size <= least[group.ravel()] * (1 + 10.0**-_DIGITS)
-        return front[smallest][np.lexsort((front[smallest], *points[smallest].T[::-1]))]
+        front, points = candidates[mask], points[mask]
+        margin, size = self.values["relative_margin"][front], _without_noise(self._sizes(front))
+        order = np.lexsort((front, -margin, size, *points.T[::-1]))
+        differs = np.any(np.diff(points[order], axis=0, prepend=np.nan) != 0, axis=1)
+        return front[order][differs]
 
     def _sizes(self, rows: Rows) -> Float[np.ndarray, " design"]:
         """Volume of all muscles at rest, over π [m³]."""
@@ -144,11 +143,7 @@ class SearchResult:
         if self.catalog.is_priced(self.space.drawings):
             price = self.catalog.price(self.designs)
             keys = {"cheapest": (loss.sum(axis=1), size, price)} | keys
-
-        def rounded(key: np.ndarray) -> np.ndarray:
-            return np.round(key / (np.abs(key).max() or 1.0), _DIGITS)
-
-        return {name: int(np.lexsort([*map(rounded, key)])[0]) for name, key in keys.items()}
+        return {n: int(np.lexsort([*map(_without_noise, key)])[0]) for n, key in keys.items()}
 
     @property
     def recommended(self) -> int | None:
@@ -175,6 +170,12 @@ class SearchResult:
         """Objectives with a sense or a limit, the extra ones, and the relative margin."""
         names = (*self.senses, *other_limits(self.limits), *self.extra, "relative_margin")
         return tuple(dict.fromkeys(names))
+
+
+def _without_noise(values: np.ndarray) -> np.ndarray:
+    """The `values` over the largest of their column [-], rounded: equal ones compare as equal."""
+    scale = np.where(np.isfinite(values), np.abs(values), 0.0).max(axis=0, initial=0.0)
+    return np.round(values / np.where(scale > 0, scale, 1.0), _DIGITS)
 
 
 def search(

@@ -319,9 +319,12 @@ class Catalog:
 
     def price(self, designs: Designs) -> PerDesign:
         """Price of muscles and valves of each of the `designs` [-]; NaN if unknown."""
-        prices = np.array([self._price_of_one(name) for name in designs.drawings])
         valve = np.nan if self.valve is None else self.valve
-        return designs.counts.sum(axis=1) * prices[designs.kind] + valve * designs.units
+        return designs.counts.sum(axis=1) * self.muscle_price(designs) + valve * designs.units
+
+    def muscle_price(self, designs: Designs) -> PerDesign:
+        """Price of one muscle of each of the `designs` [-]; NaN if unknown."""
+        return np.array([self._price_of_one(name) for name in designs.drawings])[designs.kind]
 
     def excluded(self, drawings: Mapping[str, Muscle], task: Task) -> dict[str, str]:
         """Reasons why products must not be used for a `task`, by the names of their `drawings`."""

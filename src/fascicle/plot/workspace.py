@@ -65,14 +65,19 @@ def task(
     strain: Float[np.ndarray, " point"],
     weight: Float[np.ndarray, " point"],
     reached: Bool[np.ndarray, " point"],
+    ax: Axes | None = None,
 ) -> Figure:
-    """Figure of a bundle's workspace with the demands of a task: `force` [N] and `strain` [-].
+    """Figure of a bundle's workspace with the demands of a task: `force` [N] and `strain` [-]; on
+    the axes `ax`, or in a new figure.
 
     A larger `weight` [-] has a larger mark; demands that aren't `reached` are crosses of one size.
     """
-    figure, axes = theme.new_figure(width=1.4 * theme.SINGLE, height=theme.SINGLE)
-    ax = axes[0, 0]
+    figure, ax = theme.single_axes(ax, 1.4 * theme.SINGLE, theme.SINGLE)
     draw_workspace(ax, space, overlap)
+    for curves in space.force:
+        # without the first, where the state before ends
+        for pressure, blocked in zip(space.level[1:], curves[1:, 0], strict=True):
+            ax.annotate(f" {in_kilopascals(pressure)}", (0.0, blocked), fontsize=5, va="bottom")
     sizes = _SMALLEST + (_LARGEST - _SMALLEST) * np.sqrt(weight / weight.max())
     sizes = np.where(reached, sizes, _LARGEST)  # a missed peak must not be overlooked
     for mask, mark, color, label in (

@@ -40,6 +40,14 @@ class Table(NamedTuple):
     caption: str = ""
 
 
+def plain_table(table: Table) -> str:
+    """Lines of a table for text of one width."""
+    rows = [table.heads, *table.rows]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+    return "\n".join(["", table.title, *lines, ""])
+
+
 def format_objective(name: str, value: float) -> str:
     """Text of an objective's `value` [SI], by its `name`."""
     if name == "relative_margin":
@@ -140,22 +148,27 @@ def _margin_text(summary: Summary) -> str:
     )
 
 
+def offer_names(result: SearchResult) -> dict[int, str]:
+    """Names of the offers by index on the front, such as "simplest, most efficient"."""
+    names: dict[int, str] = {}
+    for name, index in result.offers.items():
+        names[index] = f"{names[index]}, {name}" if index in names else name
+    return names
+
+
 def offers_table(answer: Answer) -> Table:
     """Table of what is offered, and the surest design that isn't safe; a row each."""
     result, safety = answer.result, answer.result.safety
-    roles: dict[int, list[str]] = {}
-    for name, index in result.offers.items():
-        roles.setdefault(int(result.front[index]), []).append(name)
-    rows = [(row, ", ".join(names)) for row, names in roles.items()]
+    rows = [(int(result.front[index]), names) for index, names in offer_names(result).items()]
     if safety is not None and safety.nearest_unsafe is not None and rows:
         rows.append((safety.nearest_unsafe, f"unsafe: {percent(safety.nearest_share)} of draws"))
     return _designs_table(result, rows, "Offers", "each offer is safe" if safety else "")
 
 
 def front_table(answer: Answer, most: int) -> Table | None:
-    """Table of the Pareto front, at most so many designs; `None` if there is none."""
+    """Table of the Pareto front, at most so many designs; `None` if there is no choice."""
     result = answer.result
-    if not result.front.size:
+    if len(result.front) < 2:
         return None
     rows = [(int(row), str(i + 1)) for i, row in enumerate(result.front[:most])]
     count = f"{result.judged} designs"
@@ -206,12 +219,12 @@ def cases_table(summary: Summary, limit: int) -> Table:
     """
     cases, task = summary.cases, summary.cases.task
     indices = np.arange(len(task))
-    caption = f"{int(np.sum(cases.reached))} of {len(task)} reached"
+    captions = [f"{int(np.sum(cases.reached))} of {len(task)} reached"] if len(task) > 1 else []
     if len(task) > limit:
         indices = np.sort(np.argsort(cases.relative)[:limit])
-        caption = f"the {limit} of {len(task)} with the least force to spare; {caption}"
+        captions.insert(0, f"the {limit} of {len(task)} with the least force to spare")
     if np.isfinite(summary.held_open).any():
-        caption += "; held open: where the load goes if a valve stays open to the supply"
+        captions.append("held open: where the load goes if a valve stays open to the supply")
     strain, stroke = task.strain_of(cases.length), task.stroke_of(cases.length)
     rows = [
         {
@@ -228,7 +241,7 @@ def cases_table(summary: Summary, limit: int) -> Table:
         for i in indices.tolist()
     ]
     title = f"Load cases and pressures, {_composition(summary)}"
-    return Table(title, list(rows[0]), [list(row.values()) for row in rows], caption)
+    return Table(title, list(rows[0]), [list(row.values()) for row in rows], "; ".join(captions))
 
 
 def facts(answer: Answer) -> dict[str, str]:
@@ -244,13 +257,6 @@ def facts(answer: Answer) -> dict[str, str]:
     if summary.stretch > 0:
         size += f"; vented, the load stretches it by {pretty(summary.stretch, 'length', 3)}"
     lines = {"size": size}
-    if product is not None:
-        source = f"; figures: {product.source}" if product.source else ""
-        design = result.all_designs(np.array([answer.index]))
-        name = list(design.drawings)[int(design.kind[0])]
-        if not name.startswith(product.name):  # a file's drawings have the nominal length
-            name = f"{product.name}, {pretty(cases.length, 'length')}"
-        lines["product"] = f"{summary.muscles} × {name}{source}"
     if summary.mass is not None:
         known = product is not None and product.mass is not None
         of = "muscles" if known else "bladders, without braid and fittings"
@@ -262,7 +268,7 @@ def facts(answer: Answer) -> dict[str, str]:
     if summary.cost_of_a_cycle is not None:
         amount = format_digits(1000 * summary.cost_of_a_cycle, 3)
         lines[fluid] += f"; {amount} {catalog.currency} for 1000 cycles"
-    lines["valves"] = _valves_text(summary, answer.run)
+    lines |= _cycle_texts(summary, answer.run)
     if summary.price is not None:
         price = format_digits(summary.price, 6)
         lines["price"] = f"{price} {catalog.currency}, of muscles and valves"
@@ -287,43 +293,63 @@ def facts(answer: Answer) -> dict[str, str]:
     return lines
 
 
-def _valves_text(summary: Summary, run: CycleRun | None) -> str:
-    """Valves that hold the pressures, and valves and hoses for the cycle, in words."""
-    cases, sizing = summary.cases, summary.sizing
-    is_part = cases.pressures < 0.999 * cases.task.supply_pressure
-    text = "an on/off 3/2 valve for each motor unit"
-    if np.any((cases.pressures > 0) & is_part):
-        text = (
-            "a proportional valve or regulator for each motor unit (or a 3/3 valve with closed"
-            " center, or an on/off valve and a stop)"
-        )
+def _cycle_texts(summary: Summary, run: CycleRun | None) -> dict[str, str]:
+    """Times and air of the cycle, and its run over time, in words, by topic."""
+    sizing = summary.sizing
     if sizing is None or not sizing.feasible:
-        return text
-    conductances = dict.fromkeys(format_digits(1e8 * C, 3) for C in sizing.conductance)
-    names = dict.fromkeys(v.name if v else "none of the catalog" for v in sizing.valves)
-    text += (
-        f"; C of {', '.join(conductances)} L/(s·bar) at b = {sizing.cycle.b:g}, smallest verified:"
-        f" {', '.join(names)}; case {sizing.case + 1} fills in {pretty(sizing.fill, 'time', 3)},"
-        f" vents in {pretty(sizing.vent, 'time', 3)}"
-    )
-    if sizing.bore is not None:
-        text += f"; hoses at least {1e3 * sizing.bore:g} mm wide"
-    text += (
-        f"; {format_digits(6e4 * summary.flow, 3)} normal liters a minute,"
-        f" {format_digits(summary.supply_power, 3)} W of compression"
+        return {}
+    cycle = (
+        f"case {sizing.case + 1} fills in {pretty(sizing.fill, 'time', 3)}, vents in"
+        f" {pretty(sizing.vent, 'time', 3)}; {format_digits(6e4 * summary.flow, 3)} normal liters a"
+        f" minute, {format_digits(summary.supply_power, 3)} W of compression"
     )
     if run is None or not math.isfinite(run.lifted):
-        return text
-    # of the smoothest way up: half a wave of the load's position
-    acceleration = np.pi**2 * run.stroke / 2 / sizing.cycle.lift**2
-    peak = cases.task.force[sizing.run_case] * (1 + acceleration / STANDARD_GRAVITY)
+        return {"cycle": cycle}
     verdict = "passes" if run.passes(sizing.cycle) else "FAILS"
-    return text + (
-        f"; run over time at these pressures: {verdict}, lifted after"
+    ran = (
+        f"{verdict} at these pressures and such valves, without friction: lifted after"
         f" {pretty(run.lifted, 'time', 3)}, released after {pretty(run.released, 'time', 3)},"
-        f" overshoot {percent(max(run.overshoot, 0.0))} ({percent(BAND)} allowed); peak force"
-        f" with acceleration {pretty(float(peak), 'force', 3)}"
+        f" overshoot {percent(max(run.overshoot, 0.0))} ({percent(BAND)} allowed), peak force"
+        f" {pretty(run.peak_force, 'force', 3)}"
     )
+    return {"cycle": cycle, "run over time": ran}
+
+
+def parts(answer: Answer) -> list[str]:
+    """Lines on what to buy or make, with prices as far as they are known, and sources."""
+    summary, catalog, sizing = answer.summary, answer.result.catalog, answer.summary.sizing
+    design, product = answer.result.all_designs(np.array([answer.index])), summary.product
+
+    def part(number: int, *words: str, price: float | None = None, source: str = "") -> str:
+        known = price is not None and np.isfinite(price)
+        prices = [f"{price:.6g} {catalog.currency} each"] if known else []
+        return f"{number} × {', '.join([*words, *prices])}" + f"; figures: {source}" * bool(source)
+
+    source = "" if product is None else product.source
+    price, size = float(catalog.muscle_price(design)[0]), _muscle_sizes(answer.result, design, 0)
+    lines = [part(summary.muscles, "muscle", size, price=price, source=source)]
+    cases, kind = summary.cases, "on/off 3/2 valve"
+    if np.any((cases.pressures > 0) & (cases.pressures < 0.999 * cases.task.supply_pressure)):
+        kind = (
+            "proportional valve or regulator (or 3/3 valve with closed center, or on/off valve and"
+            " a stop)"
+        )
+    if sizing is None or not sizing.feasible:
+        return [*lines, part(summary.valves, kind, price=catalog.valve)]
+    for valve in dict.fromkeys(sizing.valves):
+        units = [C for C, v in zip(sizing.conductance, sizing.valves, strict=True) if v is valve]
+        flow = (
+            f"C of {format_digits(1e8 * max(units), 3)} L/(s·bar) or more at b = {sizing.cycle.b:g}"
+        )
+        name, source = "such as no valve of the catalog has", ""
+        if valve is not None:
+            name, source = f"such as {valve.name} has", valve.source
+        lines.append(part(len(units), kind, flow, name, price=catalog.valve, source=source))
+    if sizing.bore is not None:
+        length = pretty(sizing.cycle.hose_length or 0.0, "length", 3)
+        width = f"{length} long, {1e3 * sizing.bore:g} mm wide or more"
+        lines.append(part(summary.valves, "hose", width))
+    return lines
 
 
 def remedy_lines(answer: Answer) -> list[str]:
@@ -374,25 +400,32 @@ def _held_open(data: Mapping[str, Any], answer: Answer) -> str:
     )
 
 
+def _designs_can(count: int, answer: Answer) -> str:
+    """Words for a `count` of the evaluated designs before a verb."""
+    if answer.result.judged == 1:
+        return "the design can" if count else "the design can't"
+    return f"{count or 'none'} of {answer.result.judged} designs can"
+
+
 _CATALOGUE: dict[str, Callable[[Mapping[str, Any], Answer], str]] = {
     "design.unsafe": lambda data, answer: (
-        f"No design is recommended: {data['allowed']} of {answer.result.judged} designs"
-        f" {task_requirement(answer.result)} and keep all limits at their nominal sizes, but none"
-        f" holds in {percent(data['demanded'])} of the draws: the surest in"
-        f" {percent(data['share'])}. To accept less, write"
-        f' safety = "{np.floor(100 * data["share"]):.0f} %" in [limits].'
+        f"No design is recommended: none holds in {percent(data['demanded'])} of the draws; the"
+        f" surest holds in {percent(data['share'])}. At nominal sizes"
+        f" {_designs_can(data['allowed'], answer)} {task_requirement(answer.result)} and keep all"
+        f' limits. To accept less, write safety = "{np.floor(100 * data["share"]):.0f} %"'
+        " in [limits]."
     ),
     "design.out_of_reach": lambda _, answer: (
-        f"No design is recommended: none of the {answer.result.judged} evaluated designs can"
-        f" {task_requirement(answer.result)}."
+        f"No design is recommended: {_designs_can(0, answer)} {task_requirement(answer.result)}."
     ),
     "design.limits_broken": lambda data, answer: (
-        f"{data['reaching']} of {answer.result.judged} designs {task_requirement(answer.result)},"
-        " but none of them keeps all other limits: none is recommended."
+        f"No design is recommended: {_designs_can(data['reaching'], answer)}"
+        f" {task_requirement(answer.result)}, but not within all other limits."
     ),
     "design.limit_costs": lambda data, _: (
-        f"{objective_label(data['objective'])}: {data['keeping']} designs keep its limit; all lie"
-        f" between {format_objective(data['objective'], data['least'])} and"
+        f"the limit on {objective_label(data['objective'])} excludes {data['costs']} of the"
+        f" {data['reaching']} designs that do the task: theirs is"
+        f" {format_objective(data['objective'], data['least'])} to"
         f" {format_objective(data['objective'], data['most'])}."
     ),
     "design.product_excluded": lambda data, _: (
@@ -413,6 +446,11 @@ _CATALOGUE: dict[str, Callable[[Mapping[str, Any], Answer], str]] = {
     "design.judged_in_part": lambda data, _: f"only {data['judged']} designs were judged in draws.",
     "design.held_open": _held_open,
 }
+
+
+def further_findings(answer: Answer) -> list[Finding]:
+    """Findings that the headline doesn't have."""
+    return answer.findings[0 if answer.is_recommended else 1 :]
 
 
 def words(finding: Finding, answer: Answer) -> str:
