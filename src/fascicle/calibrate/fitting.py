@@ -226,10 +226,10 @@ def set_up_problem(
 
 
 def fits_loop(data: FitData, names: Collection[str], options: FitOptions) -> bool:
-    """The hysteresis loop is fitted beside the constants `names`, without the readings after a
-    turn: by the `options`, or if the names contain errors of gauges, which a loop would hide.
+    """The hysteresis loop of forces is fitted beside the constants `names`, without the readings
+    after a turn: by the `options`, or if the names contain gauges' errors, which it would hide.
     """
-    both = {UP, DOWN} <= set(np.unique(data.branch).tolist())
+    both = not data.reads_contraction and {UP, DOWN} <= set(np.unique(data.branch).tolist())
     return both and (options.loop or not set(names).isdisjoint(GAUGE_NAMES))
 
 

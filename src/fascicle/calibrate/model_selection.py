@@ -134,7 +134,8 @@ def select_model(
     - `muscle`: sizes, laws and constants to begin with.
     - `priors`: prior knowledge of some constants; these are always free.
     - `loss`, `starts`, `seed`: as of `fit`.
-    - `given_laws`: kinds of law that stay as they are, such as "ends".
+    - `given_laws`: kinds of law that stay as they are, such as "ends"; "material": the rubber was
+      given, and may stay as it is.
     - `progress`: is called with a line on each step.
 
     **Returns:** the selection, with all candidates.
@@ -151,8 +152,10 @@ def select_model(
     pulling = thin(pulling_only(data))
     if not np.any(pulling.grid.measured):  # `fit` raises the error
         return Selection(fit_data(data, muscle, None, None, replace(options, whole=True)))
-    trials, noise = _pulling_trials(pulling, muscle, extended, priors, options, progress)
     compared, by_strain = thin(data), _measured_levels(data.grid).size < _MIN_LEVELS
+    # the rubber's force is the same at all pressures: few of them don't tell it from the sizes
+    parts = pulling, muscle, extended, priors, options, by_strain or "material" in given_laws
+    trials, noise = _pulling_trials(*parts, progress)
     count = len(compared.record)
     if data.pulls:
         best = select(trials, noise, loss)
@@ -280,16 +283,18 @@ def candidate_sets(
     optional: Collection[str] = (),
     required: Collection[str] = (),
     gauges: Collection[str] = (),
+    rubber_given: bool = False,
 ) -> list[Names]:
-    """Sets of constants to compare, each with the `required` ones: none, the sizes, the rubber,
-    both, each with a dead band; sizes, and both, with the errors of the `gauges`; both with each
-    `optional` constant, and with all of them.
+    """Sets of constants to compare, each with the `required` ones: none, the sizes if the rubber is
+    given, the rubber, both, each with a dead band; the first of these, and both, with the errors of
+    the `gauges`; both with each `optional` constant, and with all of them.
     """
     usual = muscle.tension.fit_parameters()
     sizes = tuple(name for name in usual if name not in RUBBER)
     bases = [sizes]
     if len(sizes) < len(usual) and isinstance(muscle.material, MooneyRivlin):
-        bases = [sizes, RUBBER, (*RUBBER, *sizes)]
+        # beside a rubber that nobody measured the sizes alone would make up for it
+        bases = [*([sizes] if rubber_given else []), RUBBER, (*RUBBER, *sizes)]
     sets = [(), *bases, *((*base, _BAND) for base in bases)]
     sets += [(*base, *gauges) for base in (bases[0], bases[-1])]
     sets += [(*bases[-1], name) for name in optional] + [(*bases[-1], *optional)]
@@ -320,6 +325,7 @@ def _pulling_trials(
     extended: Muscle,
     priors: Priors,
     options: FitOptions,
+    rubber_given: bool,
     progress: Callable[[str], object],
 ) -> tuple[list[Candidate], float]:
     """Candidates on readings that pull, and the noise of a reading [N], 0 where it can't be seen;
@@ -333,7 +339,7 @@ def _pulling_trials(
     usual = {*muscle.tension.fit_parameters(), _WALL}
     constants = identifiable_constants(data, extended, options, usual)
     optional = [name for name in constants if name not in usual]
-    sets = candidate_sets(muscle, optional, required, possible_gauge_errors(data))
+    sets = candidate_sets(muscle, optional, required, possible_gauge_errors(data), rubber_given)
     sets = [names for names in sets if len(names) < np.sum(data.grid.measured)]
     trials: dict[frozenset[str], Candidate] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search

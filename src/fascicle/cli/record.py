@@ -295,7 +295,8 @@ def calibrate(
         priors = _read_priors(prior_texts, start, names)
         choice = None
         if names is None:
-            laws = ("ends",) if sizes.ends is not None else ()
+            laws = [kind for kind in ("ends", "material") if getattr(sizes, kind) is not None]
+            laws += ["material"] if muscle is not None else []
             choice = fitting.select_model(
                 measured, start, priors, **settings, given_laws=laws, progress=update
             )

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle.calibrate import fit, select_model
-from fascicle.calibrate.model_selection import Candidate, select
+from fascicle.calibrate.model_selection import Candidate, candidate_sets, select
 from fascicle.core.module import with_fields
 from fascicle.records.record import Record
 
@@ -169,3 +169,10 @@ def test_at_one_pressure_strains_are_left_out(found):
     data = Record.of(6e5, strain, np.asarray(TRUE.force(6e5, strain)) + noise, rest_length=0.2)
     selection = select_model(data, NOMINAL)
     assert found(selection.calibration)["coverage.one_pressure"] == {"pressure": 6e5}
+
+
+def test_a_rubber_that_was_not_given_is_always_free():
+    free = [names for names in candidate_sets(fs.example("kim2021_figure_6")) if names]
+    assert free and all({"c10", "c01"} <= set(names) for names in free)
+    given = candidate_sets(fs.example("kim2021_figure_6"), rubber_given=True)
+    assert len(given) == len(free) + 3  # the sizes, with a dead band, and nothing
