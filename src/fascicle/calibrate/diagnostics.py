@@ -48,7 +48,7 @@ import numpy as np
 from scipy.special import bdtr, fdtrc, stdtrit
 
 from .calibration import Calibration, Cause, Diagnosis, Runs, Trend
-from .least_squares import KNOWN, NORMAL, Problem
+from .least_squares import KNOWN, MIN_FREEDOM, NORMAL, Problem
 from .parameters import FACTORS, Parameter, coordinates, put
 
 
@@ -59,7 +59,6 @@ _CAUSES_BY_CONSTANT = {
 }  # fmt: skip
 ALPHA = 0.01  # probability of taking noise for a trend, all tests of a record together
 _ORDERS = 5  # highest order of a polynomial: a trend is smoother, noise is rougher
-_MIN_FREEDOM = 5  # degrees of freedom: with fewer the noise is too uncertain to test against
 _SMALL = 0.25  # of the root mean square: a fifth of normal residuals is smaller
 _MIN_PAIRS = 8  # neighbors: with fewer even no change of sign has a probability above 0.4 %
 _RESOLUTION = 2e-3  # of the range: closer strains count as equal, as a test stand repeats them
@@ -207,9 +206,9 @@ def find_trends(residuals: Residuals) -> Diagnosis:
     constants = float(np.sum(model[residuals.is_reading] ** 2))
     freedom = len(residuals.readings.residual) - constants - trend_space.shape[1]
     runs = _count_runs(residuals.readings)
-    tests = len(runs) + (len(columns) if freedom >= _MIN_FREEDOM else 0)
+    tests = len(runs) + (len(columns) if freedom >= MIN_FREEDOM else 0)
     runs = tuple(replace(run, found=run.chance * tests < ALPHA) for run in runs)
-    if freedom < _MIN_FREEDOM:
+    if freedom < MIN_FREEDOM:
         return Diagnosis(runs=runs)
     y, squares = residuals.residual, max(residuals.squares, 1e-300)  # of a perfect fit: 0
     remainder = y - model @ (model.T @ y) - trend_space @ (trend_space.T @ y)

@@ -17,7 +17,8 @@ covariance is $\Sigma_s$,
 $$C = (J^T J)^{-1} + K \Sigma_s K^T, \qquad K = (J^T J)^{-1} J^T S. \tag{C3}$$
 
 The readings come from where the muscle pulls and the factors from where it resists, so the
-two parts are independent. Errors of the model come on top of this noise (`diagnostics`).
+two parts are independent. The noise is widened by Student's quantile over the normal one. Errors of
+the model come on top of it (`diagnostics`); too few readings to show any count as a usual one.
 
 Where loads were set and contractions read, the deviation of a force is the effective one,
 
@@ -37,7 +38,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import leastsq
-from scipy.special import erfcx, log_ndtr
+from scipy.special import erfcx, log_ndtr, stdtrit
 
 from ..core.array_namespace import array_namespace, maximum, where
 from ..core.module import with_fields
@@ -67,6 +68,8 @@ _MAX_FEV = 5  # MINPACK's status for all steps taken
 _FARTHEST = 1.0  # coordinates that the data don't determine are not sent further
 _NOISE_ROUNDS = 6  # three are usual until the noise settles, five the most that was seen
 FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
+MIN_FREEDOM = 5  # degrees of freedom: with fewer the noise is too uncertain to test against
+_LAW_ERROR = 0.005  # of the largest force: what the best fit of a measured muscle leaves
 _FIRST_STRAIN = 0.01  # the same, of contractions
 _STRAIN_STEP = 1e-6  # for the force's slope: errors of rounding and of the step are alike
 _LEAST_SPREAD = 0.05  # of the typical slope: where the force hardly depends on strain, force errs
@@ -434,13 +437,21 @@ class Solution(NamedTuple):
 def minimum_at(
     problem: Problem, point: np.ndarray, curves_covariance: np.ndarray | None
 ) -> Minimum:
-    """Noise and covariance (C3) at a minimum; `curves_covariance`: of the readings' curves."""
+    """Noise and covariance (C3) at a minimum, widened for a noise that few readings tell;
+    `curves_covariance`: of the readings' curves.
+    """
     linear = linearize(problem, point, by_curves=True)
     k, misfits = len(point), linear.misfits
-    noise = residual_noise(problem, misfits, k)
+    noise = usual = residual_noise(problem, misfits, k)
+    freedom = np.sum((problem.weight > 0) & problem.grid.measured) - k
+    if freedom < MIN_FREEDOM:  # an error of the law would not be seen
+        slope, grid = problem.strain_slope, problem.grid
+        top = slope * np.abs(grid.strain) if slope else np.abs(grid.force)
+        usual = max(noise, _LAW_ERROR * float(np.max(top)))
+    usual = usual * float(stdtrit(max(freedom, 1), 0.95)) / NORMAL
     # residuals are in units of the noise, priors are not
     J = linear.slopes.copy()
-    J[: misfits.size] *= problem.noise / noise
+    J[: misfits.size] *= problem.noise / usual
     inverse = np.linalg.inv(J[:, :k].T @ J[:, :k])
     caused = np.zeros_like(inverse)
     if J.shape[1] > k and curves_covariance is not None:

@@ -130,12 +130,12 @@ def output_files(
     `with_notebook`: also a notebook, and the record that it reads.
     """
     fit = result.fit
-    drawings = figures(fit, result.profiles, result.posterior, result.comparison)
+    drawings = figures(fit, result.profiles, result.comparison)
     drawn = {name: to_bytes(figure, "svg") for name, figure in drawings.items()}
     page = report(result, date, drawings, drawn)
     reasons = words.selection_reasons(result.choice)
     texts = calibrated_files(fit, date, result.choice, words.warning_lines(fit), reasons)
-    texts |= {"report.html": page, "curves.csv": curves_csv(fit, result.posterior)}
+    texts |= {"report.html": page, "curves.csv": curves_csv(fit)}
     if with_notebook:
         texts |= {"record.csv": record_text(fit.record), "fit.ipynb": notebook(result)}
     content = {name: text.encode() for name, text in texts.items()}

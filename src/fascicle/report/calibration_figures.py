@@ -7,9 +7,9 @@ was not above it.
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,6 +18,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from scipy.special import stdtrit
 
 from ..calibrate.calibration import Calibration, Profile
 from ..calibrate.comparison import LawComparison
@@ -40,12 +41,10 @@ from ..records.segmentation import runs
 from ..units import DIMENSIONS
 
 
-if TYPE_CHECKING:
-    from ..calibrate.posterior import Posterior
-
 _POINTS, _ROWS = 161, 41  # of a curve: kinks look sharp; in a file it is exact to a pixel
 _MARKS, _RESIDUALS = 40, 2000  # of one level: more touch one another; of all: outliers matter
 _CURVES = 25  # levels with a curve; a swept pressure has hundreds
+_MANY = 20  # readings: the share of fewer is too coarse
 _CROWDED, _BANDS = 9, 5  # levels from which on bands lie on one another, and bands drawn then
 _TICKS = 14  # more levels than this get round numbers at the color bar
 _BINS = 16  # of strain, of pressure or time, for means of residuals
@@ -71,13 +70,12 @@ _LIMIT: dict[str, Any] = {"color": VERMILION, "linewidth": 0.9, "linestyle": _DA
 def figures(
     calibration: Calibration,
     profiles: Sequence[Profile] = (),
-    posterior: "Posterior | None" = None,
     comparison: LawComparison | None = None,
 ) -> dict[str, Figure]:
     """Figures of a calibration by name: "fit", "residuals", then "loops", "readings", "profiles"
-    and "laws" if any. `posterior`: draws for the band's covariance, else the fit's own.
+    and "laws" if any.
     """
-    data, readings = fit_plot(calibration, posterior), calibration.readings
+    data, readings = fit_plot(calibration), calibration.readings
     panels = {
         "fit": draw_fit(data),
         "residuals": draw_residuals(data),
@@ -133,33 +131,54 @@ class FitPlot:
         return bool(np.nanmin(self.measured) < _RESISTS * np.nanmax(self.measured))
 
 
-def fit_plot(
-    calibration: Calibration, posterior: "Posterior | None" = None, points: int = _POINTS
-) -> FitPlot:
-    """Data of a fit's figure: curves of some `points`, and bands that hold 90 % of the readings,
-    to first order; `posterior`: as of `figures`.
-    """
-    grid, readings, noise = calibration.grid, calibration.readings, calibration.problem.noise
+def fit_plot(calibration: Calibration, points: int = _POINTS) -> FitPlot:
+    """Data of a fit's figure: curves of some `points`, and bands that hold 90 % of new readings."""
+    grid, readings = calibration.grid, calibration.readings
     P = grid.pressure[:, 0]
     strain, force, curve = _plot_strains(calibration.observed, points)
-    scatter = np.full(curve.shape, noise)
-    if readings is not None:
-        scatter = np.where(curve <= calibration.free_strain[:, None], readings.noise, noise)
-    half_width = NORMAL * np.sqrt(_variance(calibration, curve, posterior) + scatter**2)
+    half_width = _reading_spread(calibration, curve)
     if readings is not None:
         # without readings at a pressure the curves' uncertainty there is meaningless
         half_width[~readings.valid & (NO_PRESSURE * P.max() < P)] = np.nan
     curve_force, data = _curve_forces(calibration, curve), calibration.fit_data
     trends = {trend.along: trend.share for trend in calibration.diagnosis.significant}
     return FitPlot(
-        P, strain, force, grid.censored & grid.used, calibration.residual, noise, curve,
-        curve_force, half_width, trends=trends, branch=data.branch, time=data.time,
+        P, strain, force, grid.censored & grid.used, calibration.residual,
+        calibration.problem.noise, curve, curve_force, half_width, trends=trends,
+        branch=data.branch, time=data.time,
     )  # fmt: skip
 
 
-def curves_csv(calibration: Calibration, posterior: "Posterior | None" = None) -> str:
+def _reading_spread(calibration: Calibration, curve: np.ndarray) -> np.ndarray:
+    """Half of the width [N] about the `curve` that holds 90 % of new readings, loops included: by
+    the errors of a level's on one side of the free strain, of all on this side, or of all.
+    """
+    errors, level = np.abs(calibration.errors), calibration.fit_data.level
+    ends = np.where(calibration.problem.pulls, np.inf, calibration.free_strain)
+    past = calibration.record.strain * calibration.strain_scale > ends[level]
+    past_curve = curve * calibration.strain_scale > ends[:, None]
+    count, k = int(np.sum(np.isfinite(errors))), calibration.minimum.linear.slopes.shape[1]
+    freedom = max(count - k, 1)
+    by_noise = float(stdtrit(freedom, 0.95)) * calibration.rmse
+
+    def width(mask: np.ndarray, otherwise: float) -> float:
+        values = errors[mask & np.isfinite(errors)]
+        # by ranks, so that one more reading lies inside with a probability of 90 %
+        many = values.size >= _MANY
+        return float(np.quantile(values, 0.9, method="weibull")) if many else otherwise
+
+    spread = np.empty(curve.shape)
+    for side in (False, True):
+        usual = width(past == side, width(level >= 0, by_noise))
+        rows = [width((past == side) & (level == row), usual) for row in range(len(curve))]
+        spread = np.where(past_curve == side, np.array(rows)[:, None], spread)
+    # a fit comes as much closer to its own readings as it stays further from new ones
+    return spread * np.sqrt((count + k) / freedom)
+
+
+def curves_csv(calibration: Calibration) -> str:
     """CSV of the fitted curves, with the band of 90 % of the readings; units in the headers."""
-    data = fit_plot(calibration, posterior, _ROWS)
+    data = fit_plot(calibration, _ROWS)
     pressure, force = np.repeat(data.pressure / 1e3, _ROWS), data.curve_force
     low, high = force - data.half_width, force + data.half_width
     columns = (pressure, *map(np.ravel, (data.curve_strain, force, low, high)))
@@ -202,33 +221,6 @@ def _curve_forces(calibration: Calibration, strain: np.ndarray) -> np.ndarray:
     end = np.argmax(force < 0, axis=1)[:, None]
     past = (np.arange(force.shape[1]) > end) & np.any(force < 0, axis=1)[:, None]
     return np.where(past, np.nan, np.maximum(force, 0.0))
-
-
-def _variance(
-    calibration: Calibration, strain: np.ndarray, posterior: "Posterior | None"
-) -> np.ndarray:
-    """Variance [N²] of the model's force at `strain` [-], to first order; a row for each level."""
-    problem, point, readings = calibration.problem, calibration.coordinates, calibration.readings
-    if problem.curves is not None:
-        point = np.concatenate([point, problem.curves])
-    if posterior is not None:
-        covariance = np.cov(np.hstack([posterior.coordinates, posterior.curves]), rowvar=False)
-    else:
-        # undetermined parameters stay fixed: their prior would make the band meaningless
-        determined = np.array([p.identifiable for p in calibration.parameters], bool)
-        k, both = determined.size, np.outer(determined, determined)
-        covariance = np.zeros((point.size, point.size))
-        covariance[:k, :k] = np.where(both, calibration.covariance, 0.0)
-        if readings is not None:
-            covariance[k:, k:] = readings.covariance
-    count = problem.grid.count
-    elapsed = np.sum(count * problem.grid.elapsed, axis=1, keepdims=True)
-    elapsed = elapsed / np.sum(count, axis=1, keepdims=True)
-    grid = replace(problem.grid, strain=strain, count=np.ones_like(strain), elapsed=elapsed)
-    along = replace(problem, grid=grid, branch=None)  # a curve between the loop's branches
-    slopes = along.force_and_slopes(point)[1]
-    variance = np.einsum("lri,ij,lrj->lr", slopes, np.atleast_2d(covariance), slopes)
-    return np.maximum(variance, 0.0)
 
 
 @styled

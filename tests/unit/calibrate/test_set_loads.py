@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import least_squares
+from scipy.stats import t as student
 
 import fascicle as fs
 from fascicle.calibrate import fit, select_model
@@ -45,7 +46,8 @@ def test_contractions_are_fitted_as_scipy_fits_them(loads):
     inverse = np.linalg.inv(expected.jac.T @ expected.jac)
     deviation = np.sqrt(np.diag(inverse) * 2 * expected.cost / (expected.fun.size - 2))
     widths = [np.degrees(angle.high - angle.low), 1e3 * (radius.high - radius.low)]
-    assert_allclose(widths, 2 * 1.645 * deviation, rtol=0.02)
+    quantile = student.ppf(0.95, expected.fun.size - 2)
+    assert_allclose(widths, 2 * quantile * deviation, rtol=0.02)
 
 
 @pytest.mark.parametrize("noise", [0.1e-3, 0.4e-3])
@@ -60,7 +62,7 @@ def test_intervals_hold_the_truth(noise):
 
 
 def test_the_plain_selection_judges_contractions():
-    choice = select_model(hanging((0.0, 25.0)), NOMINAL, starts=1)
+    choice = select_model(hanging((0.0, 25.0)), NOMINAL, starts=1, given_laws=["material"])
     verdict = judge(choice.calibration, choice)
     assert set(choice.calibration.names) == set(SIZES)
     assert verdict.fit == "noise" and verdict.contraction_rmse == pytest.approx(0.2e-3, rel=0.2)
@@ -71,3 +73,14 @@ def test_forces_of_a_sweep_are_no_set_loads():
     force = np.round(np.asarray(TRUE.force(PRESSURES[:, None], strain)), 0)
     record = Record.of(PRESSURES[:, None], strain, force, rest_length=L)
     assert not fit(record, NOMINAL, SIZES, starts=1).fit_data.reads_contraction
+
+
+def test_cycles_of_free_contraction_are_fitted():
+    P = np.tile(np.concatenate([PRESSURES, PRESSURES[-2::-1]]), 4)
+    strain = invert_force(TRUE, P, 0 * P) + 0.1e-3 / L * np.random.default_rng(1).normal(
+        size=P.size
+    )
+    branch = np.tile(np.repeat([1, -1], [PRESSURES.size, PRESSURES.size - 1]), 4)
+    record = Record.of(P, strain, 0 * P, branch=branch, time=1.0 * np.arange(P.size), rest_length=L)
+    choice = select_model(record, NOMINAL, starts=1, given_laws=["material"])
+    assert choice.calibration.muscle.braid_angle == pytest.approx(np.radians(25), rel=0.01)
