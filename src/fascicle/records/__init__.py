@@ -9,11 +9,7 @@ from ..core.lazy import attach_lazy
 
 
 if TYPE_CHECKING:
-    from .dynamometer import (
-        Scatter,
-        Sweeps,
-        VirtualDynamometer,
-    )
+    from .dynamometer import Scatter, VirtualDynamometer
     from .headers import MissingMetadataError
     from .hysteresis import Averaged, Loop, averaged, loop_of
     from .published import json_schema, write
@@ -23,8 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Averaged", "Loop", "MissingMetadataError", "Record", "Run", "Scatter", "Source",
-    "Sweeps", "VirtualDynamometer", "averaged", "dumps", "join",
-    "json_schema", "load", "loads", "loop_of", "runs", "write",
+    "VirtualDynamometer", "averaged", "dumps", "join", "json_schema", "load", "loads", "loop_of",
+    "runs", "write",
 ]  # fmt: skip
 
 _HOMES = {
@@ -32,11 +28,8 @@ _HOMES = {
     **dict.fromkeys(("Record", "Source", "dumps", "join"), "record"),
     **dict.fromkeys(("load", "loads"), "reading"),
     **dict.fromkeys(("Run", "runs"), "segmentation"),
-    **dict.fromkeys(
-        ("Scatter", "Sweeps", "VirtualDynamometer"),
-        "dynamometer",
-    ),
-    "MissingMetadataError": "headers",
+    **dict.fromkeys(("Scatter", "VirtualDynamometer"), "dynamometer"),
     **dict.fromkeys(("json_schema", "write"), "published"),
+    "MissingMetadataError": "headers",
 }
 __getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -32,7 +32,7 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
-from ..core.types import Batch, BatchLike, Bool, Float, Int, Values
+from ..core.types import Batch, BatchLike, Values
 from ..core.validation import HIGHEST_PRESSURE
 from ..fluid.fields import interval_field
 from ..muscle import Muscle
@@ -43,10 +43,8 @@ from .record import Record
 
 _LEVELS = tuple(413.7e3 * i / 12 for i in range(13))  # Pa, 0 to 60 psi in steps of 5 psi
 _MAX_SCATTER = 0.2  # of the length, and rad: more is no scatter of one drawing
-_share_field = partial(
-    interval_field, low=0.0, high=1.0, closed=(True, False), remedy='5 % is 0.05 or "5 %"'
-)
 _field_from_zero = partial(interval_field, low=0.0, high=np.inf, closed=(True, False))
+_share_field = partial(_field_from_zero, high=1.0, remedy='5 % is 0.05 or "5 %"')
 _positive_field = partial(interval_field, low=0.0, high=np.inf)
 _scatter_field = partial(
     interval_field, low=0.0, high=_MAX_SCATTER, closed=(True, True), default=0.0
@@ -87,41 +85,13 @@ class Scatter:
     braid_angle: Values = _scatter_field("braid_angle", unit="rad")
 
     def draw(self, muscle: Muscle, generator: np.random.Generator, size: Any = ()) -> Muscle:
-        """Muscle with a random length and braid angle, or a batch of them of shape `size`.
-
-        **Arguments:**
-
-        - `muscle`: its length and braid angle are the means.
-        - `generator`: source of random numbers.
-        - `size`: shape of the batch; default: a single muscle.
-
-        **Returns:** the muscle, or a batch of them.
+        """Muscle with a random length and braid angle, or a batch of them of shape `size`; the
+        means are the `muscle`'s, the numbers the `generator`'s.
         """
         z = generator.standard_normal((2, *size))
         length = muscle.length * (1 + self.length * z[0])
         angle = muscle.braid_angle + self.braid_angle * z[1]
         return with_fields(muscle, length=length, braid_angle=angle)
-
-
-@attrs.frozen(eq=False)
-class Sweeps:
-    """Readings of a perfect gauge, a row for each pressure, in the order of time.
-
-    - `pressure`: gauge pressure of each row [Pa].
-    - `strain`: contraction at each column [-].
-    - `branch`: 1 contracting, −1 extending, of each column.
-    - `force`: pulling force, with hysteresis and softening [N].
-    """
-
-    pressure: Float[np.ndarray, " level"]
-    strain: Float[np.ndarray, " point"]
-    branch: Int[np.ndarray, " point"]
-    force: Float[np.ndarray, "level point"]
-
-    @property
-    def full_scale(self) -> float:
-        """The largest force, either way [N]."""
-        return float(np.abs(self.force).max())
 
 
 @attrs.frozen
@@ -185,86 +155,53 @@ class VirtualDynamometer:
 
         **Raises:** `InvalidInputError` for a batch of muscles.
         """
-        muscle = self.fabricated(muscle, seed)
-        exact = self.sweeps(muscle)
-        _, transducer, ruler, _ = _streams(seed)
-        force, censored = self._read(exact, seed)
-        shape = force.shape
-        pressure = exact.pressure[:, None] + self.pressure_noise * transducer.standard_normal(shape)
-        L = float(muscle.length)
-        strain = exact.strain + self.displacement_noise / L * ruler.standard_normal(shape)
-        step = np.ptp(exact.strain) * L / (self.samples - 1) / self.speed
-        return Record.of(
-            np.maximum(pressure, 0.0), strain, force, censored, exact.branch,
-            time=step * np.arange(force.size), rest_length=L, synthetic=True,
-            notes=self._notes(muscle, exact, seed),
-        )  # fmt: skip
-
-    def sweeps(self, muscle: Muscle) -> Sweeps:
-        """Readings before any noise.
-
-        **Arguments:** `muscle`: the muscle on the machine.
-
-        **Returns:** forces [N] over pressures [Pa] and strains [-].
-
-        **Raises:** `InvalidInputError` for a batch of muscles.
-        """
-        if any(np.ndim(size) for size in (muscle.length, muscle.outer_radius, muscle.braid_angle)):
-            raise InvalidInputError("muscle", "must be a single muscle", None)
-        P = np.asarray(self.pressures, dtype=float)
-        # cycled until it is soft, so the stroke is the softened muscle's
-        closing = np.linspace(0.0, float(muscle.free_strain(P.max())), self.samples)
-        clean = np.asarray(self._with_mullins_effect(muscle).force(P[:, None], closing))
-        half = 0.5 * self.hysteresis * clean[:, :1]
-        if not self.both_ways:
-            return Sweeps(P, closing, np.ones(closing.size, int), clean - half)
-        strain = np.r_[closing, closing[::-1]]
-        force = np.hstack([clean - half, clean[:, ::-1] + half])
-        return Sweeps(P, strain, np.repeat([1, -1], self.samples), force)
-
-    def fabricated(self, muscle: Muscle, seed: int) -> Muscle:
-        """The muscle on the machine: a muscle with the fabrication scatter of a `seed`."""
-        scatter = Scatter(self.length_scatter, self.angle_scatter)
-        return scatter.draw(muscle, _streams(seed)[-1])
-
-    def _with_mullins_effect(self, muscle: Muscle) -> Muscle:
-        """The muscle with rubber that softens from one sweep to the next (Mullins effect): its
-        numbers by pressure are on a first axis.
-        """
-        if not self.mullins:
-            return muscle
-        cycle = self.preconditioning + np.arange(len(self.pressures))
-        factor = 1 + self.mullins * np.exp(-cycle / self.mullins_cycles)
-        return with_fields(muscle, material=StiffenedMaterial(muscle.material, factor[:, None]))
-
-    def _read(
-        self, exact: Sweeps, seed: int
-    ) -> tuple[Float[np.ndarray, "level point"], Bool[np.ndarray, "level point"]]:
-        """The load cell's readings, and flags of the clipped ones."""
-        cell = _streams(seed)[0]
-        scale = self.noise * exact.full_scale
-        force = exact.force + scale * cell.standard_normal(exact.force.shape)
+        # a stream each, so that no fault changes another one's numbers
+        cell, transducer, ruler, fabrication = np.random.default_rng(seed).spawn(4)
+        muscle = Scatter(self.length_scatter, self.angle_scatter).draw(muscle, fabrication)
+        pressure, strain, branch, force = self._sweeps(muscle)
+        largest, shape, L = float(np.abs(force).max()), force.shape, float(muscle.length)
+        force = force + self.noise * largest * cell.standard_normal(shape)
         if self.resolution:
             force = self.resolution * np.round(force / self.resolution)
         censored = (force <= 0) & self.clip
-        return np.where(censored, 0.0, force), censored
-
-    def _notes(self, muscle: Muscle, exact: Sweeps, seed: int) -> tuple[str, ...]:
-        """Notes of the record: that no muscle was measured, and every setting."""
+        pressure = pressure[:, None] + self.pressure_noise * transducer.standard_normal(shape)
+        stroke = np.ptp(strain)
+        step = stroke * L / (self.samples - 1) / self.speed
+        strain = strain + self.displacement_noise / L * ruler.standard_normal(shape)
         settings = [
             f"{field.name} = {getattr(self, field.name)} {field.metadata.get('unit', '')}"
             for field in attrs.fields(type(self))
             if field.name != "pressures"
         ]
-        return (
+        notes = (
             f"made by a virtual dynamometer, seed {seed}: no muscle was measured",
-            f"full scale {exact.full_scale:.6g} N, stroke {np.ptp(exact.strain):.6g} of strain",
-            f"muscle on the machine: length {pretty(float(muscle.length), 'length', 6)},"
+            f"full scale {largest:.6g} N, stroke {stroke:.6g} of strain",
+            f"muscle on the machine: length {pretty(L, 'length', 6)},"
             f" braid angle {pretty(float(muscle.braid_angle), 'angle', 6)}",
             *(text.removesuffix(" -").rstrip() for text in settings),
         )
+        return Record.of(
+            np.maximum(pressure, 0.0), strain, np.where(censored, 0.0, force), censored, branch,
+            time=step * np.arange(force.size), rest_length=L, synthetic=True, notes=notes,
+        )  # fmt: skip
 
-
-def _streams(seed: int) -> list[np.random.Generator]:
-    """Independent random generators in order: load cell, transducer, ruler, fabrication."""
-    return np.random.default_rng(seed).spawn(4)
+    def _sweeps(self, muscle: Muscle) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Readings of a perfect gauge: pressures [Pa]; strain [-] and branch of each column; forces
+        [N] with hysteresis and softening, a row for each pressure.
+        """
+        if any(np.ndim(size) for size in (muscle.length, muscle.outer_radius, muscle.braid_angle)):
+            raise InvalidInputError("muscle", "must be a single muscle", None)
+        P = np.asarray(self.pressures, dtype=float)
+        # cycled until it is soft, so the stroke is the softened muscle's
+        strain = np.linspace(0.0, float(muscle.free_strain(P.max())), self.samples)
+        if self.mullins:
+            cycle = self.preconditioning + np.arange(P.size)
+            factor = 1 + self.mullins * np.exp(-cycle / self.mullins_cycles)
+            rubber = StiffenedMaterial(muscle.material, factor[:, None])
+            muscle = with_fields(muscle, material=rubber)
+        force = np.asarray(muscle.force(P[:, None], strain))
+        half = 0.5 * self.hysteresis * force[:, :1]
+        if not self.both_ways:
+            return P, strain, np.ones(strain.size, int), force - half
+        both = np.hstack([force - half, force[:, ::-1] + half])
+        return P, np.r_[strain, strain[::-1]], np.repeat([1, -1], self.samples), both

@@ -40,14 +40,13 @@ class Loop:
     """Widths of hysteresis loops: force of the branch down less that of the branch up.
 
     - `pressure`: levels with both branches [Pa], rising.
-    - `width`: mean over the loop at each of them [N]; `widest`: the largest there [N].
+    - `width`: mean over the loop at each of them [N].
     - `pull`: the largest half-way force at each of them [N].
     - `half`: root mean square of half the width over all of them [N].
     """
 
     pressure: np.ndarray
     width: np.ndarray
-    widest: np.ndarray
     pull: np.ndarray
     half: float
 
@@ -77,9 +76,8 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         raise InvalidInputError("points", "must be at least 2", points)
     segments = [run for run in runs(record) if run.kind != "mixed"]
     if not segments:
-        raise InvalidInputError(
-            "record", "has no runs at constant pressure or length to average", None
-        )
+        rule = "has no runs at constant pressure or length to average"
+        raise InvalidInputError("record", rule, None)
     pieces, widths, isometric, loops = [], [], list[bool](), 0
     for level in group_by_level(record, segments):
         branches = {side: [run for run in level if run.branch == side] for side in (UP, DOWN)}
@@ -127,7 +125,6 @@ def loop_of(record: Record, half_way: Averaged | None = None) -> Loop | None:
     return Loop(
         pressure=np.array([P[level].mean() for level in levels]),
         width=np.array([width[level].mean() for level in levels]),
-        widest=np.array([width[level][np.argmax(np.abs(width[level]))] for level in levels]),
         pull=np.array([force[level].max() for level in levels]),
         half=float(np.sqrt(np.mean((width / 2) ** 2))),
     )

@@ -61,21 +61,6 @@ class ArmTable(NamedTuple):
         return make_interp_spline(*self, k=1)
 
 
-class JointReadings(NamedTuple):
-    """Readings on a joint.
-
-    - `used`: mask of the rows that give a force.
-    - `arm`: moment arm of each [m]; `shortening`: of the muscle from rest [m], `None` where it
-      isn't computed from the angle.
-    - `notes`: on rows that were left out.
-    """
-
-    used: np.ndarray
-    arm: np.ndarray
-    shortening: np.ndarray | None
-    notes: tuple[str, ...]
-
-
 def read_arm_table(table: Mapping[str, Any], *, bare: bool = True) -> ArmTable:
     """Moment arms by angle, sorted, from a checked `table` with the keys `angle` and `arm`.
 
@@ -87,10 +72,10 @@ def read_arm_table(table: Mapping[str, Any], *, bare: bool = True) -> ArmTable:
         raise _invalid_arms("must have the keys angle and arm", remedy, keys)
     columns = []
     for key, dimension in (("angle", "angle"), ("arm", "length")):
-        values: list[float] = []
-        if not isinstance(table[key], str | list | tuple | np.ndarray):
-            raise _invalid_arms(f"must have a list or a range as {key}", "", f"{table[key]!r}")
-        for entry in [table[key]] if isinstance(table[key], str) else table[key]:
+        entries, values = table[key], list[float]()
+        if not isinstance(entries, str | list | tuple | np.ndarray):
+            raise _invalid_arms(f"must have a list or a range as {key}", "", f"{entries!r}")
+        for entry in [entries] if isinstance(entries, str) else entries:
             if isinstance(entry, str):
                 values += parse_list(entry, dimension, key)
             else:
@@ -125,16 +110,14 @@ def sampled_arms(angle: np.ndarray, arm: np.ndarray) -> ArmTable:
     return ArmTable(angles, np.bincount(entry, arm) / count)
 
 
-def usable_arms(arm: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def usable_arms(arm: np.ndarray) -> tuple[np.ndarray, list[str]]:
     """Mask of the readings whose `arm` [m] gives a force, and a note of the others."""
     largest = float(np.max(np.abs(arm)))
     mask = np.abs(arm) > _LEAST_ARM * largest
-    count = int(np.sum(~mask))
-    if not count:
-        return mask, ()
     limit = f"{100 * _LEAST_ARM:g} % of the largest, {pretty(largest, 'length')}"
-    noun = "reading" if count == 1 else "readings"
-    return mask, (f"{count} {noun} left out: the moment arm is below {limit}",)
+    noun = "reading" if (count := int(np.sum(~mask))) == 1 else "readings"
+    note = f"{count} {noun} left out: the moment arm is below {limit}"
+    return mask, [note] if count else []
 
 
 def _invalid_arms(rule: str, remedy: str, text: str) -> InvalidInputError:

@@ -95,14 +95,13 @@ def to_json(record: Record) -> str:
 
     **Raises:** `ValueError` in one line for a record that the schema doesn't allow.
     """
-    columns = {n: getattr(record, n) for n in (*COLUMNS, *OPTIONAL_COLUMNS)}
-    fields = vars(record) | {n: x.tolist() for n, x in columns.items() if x is not None}
+    columns = {name: getattr(record, name) for name in (*COLUMNS, *OPTIONAL_COLUMNS)}
+    fields = {name: values.tolist() for name, values in columns.items() if values is not None}
     for name in ("censored", "branch"):
         fields[name] = fields[name] if any(fields[name]) else []
     length = None if record.rest_length is None else float(record.rest_length)
     fields |= {"schema": SCHEMA, "synthetic": bool(record.synthetic), "rest_length": length}
     fields |= {"sources": list(map(vars, record.sources)), "notes": list(record.notes)}
-    fields = {key: value for key, value in fields.items() if key not in ("doubts", "zeroed")}
     table = _validate(fields, "the record").model_dump(by_alias=True, exclude_defaults=True)
     lines = (
         f"  {json.dumps(key)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}"
@@ -140,6 +139,19 @@ def from_json(raw: str | bytes, source: str) -> Record:
     )  # fmt: skip
 
 
+def _validate(data: Any, source: str) -> RecordTable:
+    """Check the data of a JSON file; `ValueError` names file and key of an invalid value."""
+    table = validate(RecordTable, data, source)
+    for name in (*COLUMNS, *OPTIONAL_COLUMNS):
+        values = getattr(table, name)
+        if values is None or (name in ("censored", "branch") and not values):
+            continue
+        if len(values) != len(table.pressure):
+            rule = f"has {len(values)} values, but pressure has {len(table.pressure)}."
+            raise ValueError(location_message(source, [name], rule))
+    return table
+
+
 def write(record: Record, path: str | os.PathLike[str]) -> None:
     """Write a record, completely or not at all.
 
@@ -160,16 +172,3 @@ def file_text(record: Record, path: str | os.PathLike[str]) -> str:
     if os.fspath(path).lower().endswith(".json"):
         return to_json(record)
     return dumps(record)
-
-
-def _validate(data: Any, source: str) -> RecordTable:
-    """Check the data of a JSON file; `ValueError` names file and key of an invalid value."""
-    table = validate(RecordTable, data, source)
-    for name in (*COLUMNS, *OPTIONAL_COLUMNS):
-        values = getattr(table, name)
-        if values is None or (name in ("censored", "branch") and not values):
-            continue
-        if len(values) != len(table.pressure):
-            rule = f"has {len(values)} values, but pressure has {len(table.pressure)}."
-            raise ValueError(location_message(source, [name], rule))
-    return table

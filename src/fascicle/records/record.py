@@ -4,7 +4,6 @@ A reading is a gauge pressure, a contraction and a pulling force. A *censored* r
 at zero: the gauge could not push, so its force is an upper bound.
 """
 
-import io
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -92,28 +91,22 @@ class Record:
         """
         readings = {"pressure": pressure, "strain": strain, "force": force}
         shape = broadcast_shape(**{name: np.shape(values) for name, values in readings.items()})
-
-        for name, values in readings.items():
+        flags = {"censored": False if censored is None else censored}
+        flags["branch"] = UNKNOWN if branch is None else branch
+        kinds = {"censored": bool, "branch": np.int8}
+        columns: dict[str, np.ndarray] = {}
+        for name, values in (readings | flags).items():
             if np.ma.is_masked(values):
                 remedy = "drop the masked readings, such as by .compressed()"
                 raise InvalidInputError(name, "must have no masked values", None, remedy)
-
-        def flat_copy(values: Any, kind: Any) -> np.ndarray:
-            return np.broadcast_to(np.asarray(values, dtype=kind), shape).reshape(-1).copy()
-
-        columns = {name: flat_copy(values, float) for name, values in readings.items()}
-        for name, values in columns.items():
-            bad = np.flatnonzero(~np.isfinite(values))
+            array = np.asarray(values, dtype=kinds.get(name, float))
+            columns[name] = np.broadcast_to(array, shape).reshape(-1).copy()
+            bad = np.flatnonzero(~np.isfinite(columns[name]))
             if bad.size:
-                value = float(values[bad[0]])
+                value = float(columns[name][bad[0]])
                 text = f"{value} in reading {bad[0] + 1}"
                 raise InvalidInputError(name, "must be finite", value, "drop that reading", text)
-        return cls(
-            **columns,
-            censored=flat_copy(False if censored is None else censored, bool),
-            branch=flat_copy(UNKNOWN if branch is None else branch, np.int8),
-            **fields,
-        )
+        return cls(**columns, **fields)
 
     def __len__(self) -> int:
         return self.force.size
@@ -152,16 +145,16 @@ def join(records: Sequence[Record]) -> Record:
     duplicates = _duplicate_messages(records)
     for message in duplicates:
         warnings.warn(f"{message}.", stacklevel=2)
-    optional = {name: [getattr(r, name) for r in records] for name in OPTIONAL_COLUMNS}
+    arrays: dict[str, np.ndarray | None] = {}
+    for name in (*COLUMNS, *OPTIONAL_COLUMNS):
+        columns = [getattr(record, name) for record in records]
+        is_missing = any(values is None for values in columns)
+        arrays[name] = None if is_missing else np.concatenate(columns)
     notes = [note for record in records for note in record.notes]
     doubts = [note for record in records for note in record.doubts]
     return replace(
         records[0],
-        **{name: np.concatenate([getattr(r, name) for r in records]) for name in COLUMNS},
-        **{
-            name: None if any(x is None for x in values) else np.concatenate(values)
-            for name, values in optional.items()
-        },
+        **arrays,
         # strains without a rest length refer to the length that the other records name
         rest_length=next(iter(lengths), None),
         synthetic=any(record.synthetic for record in records),
@@ -172,6 +165,21 @@ def join(records: Sequence[Record]) -> Record:
     )
 
 
+def _duplicate_messages(records: Sequence[Record]) -> list[str]:
+    """A line for each record that repeats the readings of an earlier one."""
+    names = [", ".join(source.name for source in record.sources) for record in records]
+    first: dict[bytes, int] = {}
+    lines = []
+    for index, record in enumerate(records):
+        readings = np.stack([record.pressure, record.strain, record.force]).tobytes()
+        earlier = first.setdefault(readings, index)
+        if earlier != index:
+            pair = (names[i] or f"record {i + 1}" for i in (earlier, index))
+            rule = "hold the same readings, which count twice: leave one out"
+            lines.append(f"{' and '.join(pair)} {rule}")
+    return list(dict.fromkeys(lines))
+
+
 def dumps(record: Record) -> str:
     """Text of a CSV file that reads back to the same floats.
 
@@ -180,15 +188,11 @@ def dumps(record: Record) -> str:
     **Returns:** the text: remarks with rest length and sources, a header, a row per reading.
     """
     columns = {"pressure [Pa]": record.pressure, "strain [-]": record.strain}
-    columns["force [N]"] = record.force
-    if record.time is not None:
-        columns["time [s]"] = record.time
-    if record.moment_arm is not None:
-        columns["moment arm [m]"] = record.moment_arm
-    if record.branch.any():
-        columns["branch"] = record.branch
-    if record.censored.any():
-        columns["clipped"] = record.censored.astype(int)
+    columns |= {"force [N]": record.force, "time [s]": record.time}
+    columns |= {"moment arm [m]": record.moment_arm}
+    columns |= {"branch": record.branch if record.branch.any() else None}
+    columns |= {"clipped": record.censored.astype(int) if record.censored.any() else None}
+    columns = {name: values.tolist() for name, values in columns.items() if values is not None}
     remarks = []
     if record.synthetic:
         remarks.append(("synthetic", "a model made these readings, no muscle was measured"))
@@ -196,26 +200,7 @@ def dumps(record: Record) -> str:
         remarks.append(("rest_length", exact(record.rest_length, "length")))
     remarks += [("source", f"{source.name} sha256 {source.sha256}") for source in record.sources]
     remarks += [("note", note) for note in record.notes]
-    out = io.StringIO()
-    out.writelines(f"# {key}: {' '.join(value.split())}\n" for key, value in remarks)
-    out.write(",".join(columns) + "\n")
+    lines = [f"# {key}: {' '.join(value.split())}" for key, value in remarks]
     # repr is the shortest text that reads back to the same float
-    texts = (map(repr, column.tolist()) for column in columns.values())
-    out.writelines(",".join(row) + "\n" for row in zip(*texts, strict=True))
-    return out.getvalue()
-
-
-def _duplicate_messages(records: Sequence[Record]) -> list[str]:
-    """A line for each record that repeats the readings of an earlier one."""
-
-    def file_names(index: int) -> str:
-        return ", ".join(s.name for s in records[index].sources) or f"record {index + 1}"
-
-    first, lines = {}, []
-    for index, record in enumerate(records):
-        readings = np.stack([record.pressure, record.strain, record.force]).tobytes()
-        earlier = first.setdefault(readings, index)
-        if earlier != index:
-            pair = f"{file_names(earlier)} and {file_names(index)}"
-            lines.append(f"{pair} hold the same readings, which count twice: leave one out")
-    return list(dict.fromkeys(lines))
+    rows = zip(*(map(repr, values) for values in columns.values()), strict=True)
+    return "\n".join([*lines, ",".join(columns), *map(",".join, rows), ""])

@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 
-from ..core.errors import InvalidInputError
 from .record import DOWN, UNKNOWN, UP, Record
 
 
@@ -58,33 +57,22 @@ class Run:
     branch: int
 
 
-def runs(record: Record, by: str = "auto") -> tuple[Run, ...]:
+def runs(record: Record) -> tuple[Run, ...]:
     """Split a record into its sweeps.
 
-    A hysteresis loop gives a run for each branch: by the record's own branches if it has them,
-    else by the direction of the sweep. In a sorted table without times that never turns, the
+    The constant quantity is pressure or strain, whichever explains more, or force where neither
+    does. A hysteresis loop gives a run for each branch: by the record's own branches if it has
+    them, else by the direction of the sweep. In a sorted table without times that never turns, the
     branch stays unknown.
 
-    **Arguments:**
-
-    - `record`: readings of one muscle.
-    - `by`: the constant quantity, "pressure", "strain" or "force"; "auto": pressure or strain,
-      whichever explains more, or force where neither does.
+    **Arguments:** `record`: readings of one muscle.
 
     **Returns:** the runs, each reading in exactly one of them, in the order of their first reading.
-
-    **Raises:** `InvalidInputError` for another `by`.
     """
-    kinds: dict[str, tuple[Kind, ...]] = {
-        "auto": ("pressure", "strain"), "pressure": ("pressure",), "strain": ("strain",),
-        "force": ("force",),
-    }  # fmt: skip
-    if by not in kinds:
-        raise InvalidInputError("by", 'must be "auto", "pressure", "strain" or "force"', by)
     if not len(record):
         return ()
-    stretches, ordered = _find_stretches(record, kinds[by])
-    if by == "auto" and _count_readings(stretches) < _ORDERED * len(record):
+    stretches, ordered = _find_stretches(record, ("pressure", "strain"))
+    if _count_readings(stretches) < _ORDERED * len(record):
         isotonic, in_order = _find_stretches(record, ("force",))
         if _count_readings(isotonic) >= _SORTED * len(record):
             stretches, ordered = isotonic, in_order

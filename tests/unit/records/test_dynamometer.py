@@ -113,16 +113,16 @@ def test_gauges_of_pressure_and_length_err_in_what_they_read_alone():
 
 
 def test_the_muscle_on_the_machine_is_the_one_that_was_made():
-    machine = VirtualDynamometer(**QUIET, length_scatter=0.02, angle_scatter=0.01)
-    made = [machine.fabricated(muscle, seed) for seed in range(400)]
-    lengths = np.array([float(one.length) for one in made]) / 0.127 - 1
-    angles = np.array([float(one.braid_angle) for one in made]) - float(muscle.braid_angle)
+    made = records.Scatter(0.02, 0.01).draw(muscle, np.random.default_rng(3), (400,))
+    lengths = np.asarray(made.length) / 0.127 - 1
+    angles = np.asarray(made.braid_angle) - float(muscle.braid_angle)
     # 400 draws: a standard deviation is known to 3.5 %, a mean to 5 % of it
     assert_allclose([lengths.std(), angles.std()], [0.02, 0.01], rtol=0.15)
     assert abs(lengths.mean()) < 0.004 and abs(angles.mean()) < 0.002
-    record = machine.record(muscle, 4)
-    assert record.rest_length == float(made[4].length)
-    assert_allclose(record.force, made[4].force(record.pressure, record.strain), atol=1e-10)
+    record = measured(4, length_scatter=0.02)
+    longer = with_fields(muscle, length=record.rest_length)
+    assert record.rest_length != 0.127
+    assert_allclose(record.force, longer.force(record.pressure, record.strain), atol=1e-10)
 
 
 def test_what_comes_out_says_that_it_is_synthetic_in_the_file_too(tmp_path):

@@ -91,7 +91,6 @@ def test_widths_are_those_that_were_put_in():
     loop = loop_of(Record.of(P, np.tile(strain, 2), both, branch=branch))
     assert_allclose(loop.pressure, [1e5, 3e5])
     assert_allclose(loop.width, [6, 18], rtol=1e-9)
-    assert_allclose(loop.widest, [6, 18], rtol=1e-9)
     assert_allclose(loop.share, 0.06, rtol=1e-9)
     assert_allclose(loop.half, np.sqrt((9 + 81) / 2), rtol=1e-9)
     assert loop_of(Record.of(1e5, strain, 100 * (1 - strain), branch=1)) is None  # one way

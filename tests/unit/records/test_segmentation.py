@@ -105,16 +105,12 @@ def test_a_shuffled_table_has_the_same_levels(seed):
         assert np.all(pressure[order][run.points] == run.level)
 
 
-def test_a_table_by_length_is_read_by_length_unless_asked():
+def test_a_table_by_length_is_read_by_length():
     strain, pressure = table([0.05, 0.1, 0.15], np.arange(1, 8) * 5e4)
     record = record_of(pressure, strain, timed=False)
     assert [(run.kind, run.level) for run in runs(record)] == [
         ("strain", 0.05), ("strain", 0.1), ("strain", 0.15)
     ]  # fmt: skip
-    by = runs(record, by="pressure")
-    assert [(run.kind, run.points.size) for run in by] == [("pressure", 3)] * 7
-    with pytest.raises(ValueError, match='`by` must be "auto"'):
-        runs(record, by="time")
 
 
 def test_branches_told_by_the_record_are_kept():
