@@ -442,7 +442,7 @@ class Readings:
         `rule`.
         """
         texts = self.cells[role]
-        values = [meanings.get(text.lower()) for text in texts]
+        values = [meanings.get(text) for text in texts]
         if None in values:
             row = values.index(None)
             rule = f"{texts.iloc[row]!r} isn't known: write {rule}."

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -33,11 +33,7 @@ from .sidecar import Sidecar, read_sidecar, sidecar_beside
 from .tables import MAX_ROWS, Table, open_table, read_seconds
 
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 LARGEST_FILE = 1_000_000_000  # bytes
-_TEXT_ROLES = ("branch", "clipped")
 _REMARK = re.compile(r"(\w+)\s*[:=]\s*(.*)")  # key: text, or key = text
 
 
@@ -73,15 +69,13 @@ def load(
       muscle; patterns such as `"runs/*.csv"` stand for all files that fit.
     - `columns`: headers of columns that aren't recognized, by role: pressure, force, torque,
       strain, length, displacement, angle, moment_arm, time, branch, clipped. Or all columns in
-      their order, such as `"force[N],pressure[kPa],-,length[mm]"`, with `-` for one to skip: for
-      files without header.
+      their order, with `-` for one to skip: `"force[N],pressure[kPa],-,length[mm]"`.
     - `units`: units of columns whose header has none, by role.
     - `rest_length`: reference length of the strains [m]; lengths and displacements need it.
     - `clipped_at_zero`: true if forces of exactly zero are clipped readings.
-    - `header`: line of the columns' names, counted from 1; default: it is inferred.
+    - `header`: line of the columns' names, from 1; default: inferred.
     - `sidecar`: the TOML file; default: the one of the table's name, if there is one.
-    - `constants`: pressure, force, strain, length, displacement, torque or angle of all readings
-      [SI].
+    - `constants`: values that all readings share, by role [SI].
     - `name_pattern`: constants in the name of the file or of its table, such as
       `"{length}cm_{pressure}kPa"`.
     - `zeros`: readings of pressure, force, torque and displacement at zero, or at rest, and the
@@ -94,10 +88,8 @@ def load(
     - `scales`: quantities of gauges' signals by role, such as `{"pressure": "1.475bar/V"}`; their
       zeros may be signals, too: `zeros={"pressure": "0.2V"}`.
     - `resample`: step of one clock on which channels with clocks of their own are interpolated [s].
-    - `table`: sheet, matrix or group of a file with several, or a pattern such as `"*"`: all
-      tables that fit it are one record.
-    - `decimal`: sign before decimals, "." or ","; the other one may part thousands. Default: it is
-      inferred.
+    - `table`: sheet, matrix or group of a file with several, or a pattern such as `"*"` for all.
+    - `decimal`: sign before decimals, "." or ","; the other may part thousands; default: inferred.
     - `default_length`: rest length where no file names one [m], such as the muscle's; a doubt says
       so. Default: lengths and displacements are refused then.
 
@@ -242,9 +234,14 @@ def _read_record(
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
     readings = _read_columns(table, info)
-    rest_length = info.rest_length
-    if rest_length is None and (written := dict(remarks).get("rest_length")) is not None:
-        rest_length = _written_length(table, written)
+    rest_length, written = info.rest_length, dict(remarks).get("rest_length")
+    if rest_length is None and written is not None:
+        try:
+            rest_length = parse(written.strip('" '), "length", "rest_length")
+        except ValueError as error:
+            raise ValueError(f"{source}: in its remarks, {error}") from None
+        if rest_length <= 0:
+            raise ValueError(f"{source}: in its remarks, `rest_length` must be positive.")
         note = f"rest length {pretty(rest_length, 'length')} read from the file's comments"
         readings.notes.append(note)
     position = readings.position
@@ -295,17 +292,6 @@ def _read_record(
     return _with_length(record, default_length) if needs_length else record
 
 
-def _written_length(table: Table, text: str) -> float:
-    """Rest length [m] of a remark."""
-    try:
-        length = parse(text.strip('" '), "length", "rest_length")
-    except ValueError as error:
-        raise ValueError(f"{table.source}: in its remarks, {error}") from None
-    if length <= 0:
-        raise ValueError(f"{table.source}: in its remarks, `rest_length` must be positive.")
-    return length
-
-
 def _read_columns(table: Table, info: Sidecar) -> Readings:
     """Cells of the columns and constants of a `table`."""
     import pandas as pd
@@ -313,51 +299,55 @@ def _read_columns(table: Table, info: Sidecar) -> Readings:
     columns, notes = choose_columns(table, info)
     doubts = [f"unit {info.units[role]!r} of {role} not used: there is no such column"
               for role in info.units.keys() - columns.keys()]  # fmt: skip
-    if info.resample is not None:
-        columns, cells = _resample(table, columns, info)
-        notes.append(f"channels interpolated on one clock, every {info.resample:g} s")
+    readings = Readings(table, columns, pd.DataFrame(), info, notes, doubts)
+    rows = _row_range(info.rows)
+    if info.resample is None:
+        _read_cells(readings, rows)
     else:
-        cells, misread, left_out = _read_cells(table, columns, info)
-        for role in misread:
-            rule = f"not read as {role}: it holds something else"
-            doubts.append(f"column `{columns.pop(role).header}` {rule}")
-        doubts += left_out
+        _resample(readings, rows, info.resample)
     for role, value in info.constants.items():
-        cells[role], columns[role] = value, Column(role, -1, role, si_unit(role))
+        readings.cells[role], columns[role] = value, Column(role, -1, role, si_unit(role))
     if info.constants:
         notes.append(f"all readings at {_list_values(info.constants)}")
-    return Readings(table, columns, pd.DataFrame(cells), info, notes, doubts)
+    return readings
 
 
-def _read_cells(
-    table: Table, columns: Mapping[str, Column], info: Sidecar
-) -> tuple["pd.DataFrame", list[str], list[str]]:
-    """Cells of the columns by role, those of time and branch, inferred from the header, whose cells
-    are no times or branches, and notes on rows that were left out.
+def _read_cells(readings: Readings, rows: tuple[int, int] | None) -> None:
+    """Read the cells of the columns; those of time and branch, inferred from the header, whose
+    cells are no times or branches are dropped.
     """
     import pandas as pd
 
+    table, columns, info = readings.table, readings.columns, readings.info
     named = set(columns) if info.names else {*info.columns, *info.units}
-    numbers = [c.index for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}]
-    rows, misread, time = _row_range(info.rows), list[str](), columns.get("time")
+    numbers, time = [column.index for column in _numeric(columns).values()], columns.get("time")
     if time is None or "time" not in named:
         _check_clocks(table, sorted(set(_clocks(table, numbers).values())), rows)
-    frame, notes = table.read(numbers, rows)
-    seconds = None if time is None else read_seconds(frame[time.index], table.numbers)
-    if time is not None and seconds is None and "time" in named:  # the error of its first bad cell
-        frame, notes = table.read([*numbers, time.index], rows)
-        seconds = frame[time.index].to_numpy()
-    cells = pd.DataFrame({
-        role: frame[c.index].astype(str) if role in _TEXT_ROLES else frame[c.index]
-        for role, c in columns.items()
-    })  # fmt: skip
-    if seconds is not None:
-        cells["time"] = seconds
-    elif time is not None:
-        misread.append("time")
-    if "branch" in columns and "branch" not in named:
-        misread += [] if {*cells["branch"].str.lower()} <= set(BRANCHES) else ["branch"]
-    return cells, misread, notes
+    frame, left_out = table.read(numbers, rows)
+    if time is not None:
+        seconds = read_seconds(frame[time.index], table.numbers)
+        if seconds is None and "time" in named:  # the error of its first bad cell
+            frame, left_out = table.read([*numbers, time.index], rows)
+        elif seconds is not None:
+            frame[time.index] = seconds
+    cells = {role: frame[column.index] for role, column in columns.items()}
+    for role in columns.keys() & {"branch", "clipped"}:
+        cells[role] = cells[role].astype(str).str.lower()
+    readings.cells = pd.DataFrame(cells)
+    is_misread = {
+        "time": time is not None and cells["time"].dtype != float,
+        "branch": "branch" in columns and not {*cells["branch"]} <= {*BRANCHES},
+    }
+    for role, is_other in is_misread.items():
+        if is_other and role not in named:
+            rule = f"not read as {role}: it holds something else"
+            readings.doubts.append(f"column `{columns.pop(role).header}` {rule}")
+    readings.doubts += left_out
+
+
+def _numeric(columns: Mapping[str, Column]) -> dict[str, Column]:
+    """Columns of quantities, but for the time."""
+    return {r: column for r, column in columns.items() if r not in ("branch", "clipped", "time")}
 
 
 def _clocks(table: Table, columns: Sequence[int]) -> dict[int, int]:
@@ -376,33 +366,32 @@ def _check_clocks(table: Table, clocks: list[int], rows: tuple[int, int] | None)
     frame = table.read([], rows)[0][clocks]
     frame = frame[(frame != "").all(axis=1)]
     read = {i: read_seconds(frame[i], table.numbers) for i in clocks if len(frame)}
-    times = {i: seconds for i, seconds in read.items() if seconds is not None}
+    times = [(table.header[i], seconds) for i, seconds in read.items() if seconds is not None]
     if len(times) < 2:
         return
-    names, seconds = [table.header[i] for i in times], list(times.values())
-    step = float(np.median(np.abs(np.diff(seconds[0])))) if len(frame) > 1 else 0.0
-    for name, values in zip(names[1:], seconds[1:], strict=True):
+    first_name, first = times[0]
+    step = float(np.median(np.abs(np.diff(first)))) if len(frame) > 1 else 0.0
+    for name, seconds in times[1:]:
         # clocks of one name count from one time
-        shift = 0.0 if name == names[0] else values[0] - seconds[0][0]
-        difference = float(np.max(np.abs(values - seconds[0] - shift)))
+        shift = 0.0 if name == first_name else seconds[0] - first[0]
+        difference = float(np.max(np.abs(seconds - first - shift)))
         if difference > step / 2:
             rule = f"the channels have clocks of their own, in one row up to {difference:.3g} apart"
             choices = [("resample", "", f"{step:g} s", ", or another step")]
-            if len(set(names)) == len(names):
+            if len({name for name, _ in times}) == len(times):
                 after = " or another of them, if a row was read at one time"
-                choices.append(("columns", "time", names[0], after))
+                choices.append(("columns", "time", first_name, after))
             remedy = "to interpolate them on one clock, give "
             raise MissingMetadataError(f"{table.where}: {rule}: {remedy}", *choices)
 
 
-def _resample(
-    table: Table, columns: Mapping[str, Column], info: Sidecar
-) -> tuple[dict[str, Column], "pd.DataFrame"]:
-    """The columns of numbers, each read with its own clock and interpolated on one clock."""
+def _resample(readings: Readings, rows: tuple[int, int] | None, step: float) -> None:
+    """Read the columns of numbers, each with its own clock, and interpolate them on one clock with
+    a `step` [s].
+    """
     import pandas as pd
 
-    step, rows = info.resample or 0.0, _row_range(info.rows)
-    numbers = {role: c for role, c in columns.items() if role not in {*_TEXT_ROLES, "time"}}
+    table, numbers = readings.table, _numeric(readings.columns)
     clocks = _clocks(table, [column.index for column in numbers.values()])
     frames, times = list[pd.DataFrame](), list[np.ndarray]()
     for column in numbers.values():
@@ -423,12 +412,12 @@ def _resample(
         raise InvalidInputError("resample", rule, step, shown=f"{step:g} s")
     grid = start + step * np.arange(count)
     nearest = np.minimum(np.searchsorted(times[0], grid), times[0].size - 1)
-    cells = {
-        role: np.interp(grid, t, frame[column.index])
-        for (role, column), t, frame in zip(numbers.items(), times, frames, strict=True)
-    }
-    columns = numbers | {"time": Column("time", -1, "time", "s")}
-    return columns, pd.DataFrame(cells | {"time": grid}, index=frames[0].index[nearest])
+    readings.cells = pd.DataFrame({"time": grid}, index=frames[0].index[nearest])
+    for (role, column), t, frame in zip(numbers.items(), times, frames, strict=True):
+        readings.cells[role] = np.interp(grid, t, frame[column.index])
+    readings.columns.clear()
+    readings.columns.update(numbers, time=Column("time", -1, "time", "s"))
+    readings.notes.append(f"channels interpolated on one clock, every {step:g} s")
 
 
 def _row_range(text: str | None) -> tuple[int, int] | None:
