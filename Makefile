@@ -24,13 +24,11 @@ $(STAMP): requirements.lock pyproject.toml
 reproduce: $(STAMP)
 	$(BIN)/fascicle reproduce kim2021 --out out/kim2021 --overwrite
 
-# the README and the docs show the reproduction's own Fig. 9 and claims, the explorer at work, and
-# runs that pages only tell of
+# the README and the docs show the reproduction's own Fig. 9 and claims, the explorer and a leg at work
 picture: reproduce browser
 	cp out/kim2021/figure_09.png docs/_static/readme.png
 	cp out/kim2021/claims.json docs/_static/claims.json
 	$(BIN)/python docs/explorer_picture.py docs/_static/explorer.gif
-	$(BIN)/python docs/runs.py docs/_static/runs.json
 	$(BIN)/python docs/walker_leg.py docs/_static/walker_leg.gif
 
 # beside one another: browsers and the docs' pages keep a core waiting now and then
@@ -87,8 +85,7 @@ slow: $(STAMP)
 docs: $(STAMP)
 	$(KEEPING) $(BIN)/python -m sphinx -j $$(($(WORKERS) + 1)) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
 
-# takes some ten minutes on a quiet machine. Studies run alone: `recovery.py` and
-# `hand_over_random_muscles.py`
+# takes some ten minutes on a quiet machine
 bench: $(STAMP)
 	$(BIN)/python benchmarks/run_all.py
 

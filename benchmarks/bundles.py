@@ -1,9 +1,8 @@
-"""Bundles with NumPy: CPU time of recruitment, free strain, and efficiency maps.
+"""Bundles with NumPy: CPU time of recruitment and of efficiency maps.
 
 `fs.recruitment.recruit` for 4 unlike motor units, at demands of which some exceed what the bundle
-holds: one from Python, of which the 99th percentile counts, 64 at once, and 100,000 at once. Free
-strain of 8 unlike units, each root counted in forces of the bundle. Efficiency maps of 81 forces ×
-121 strains, from bundle to arrays.
+holds: one from Python, of which the 99th percentile counts, 64 at once, and 100,000 at once.
+Efficiency maps of 81 forces × 121 strains, from bundle to arrays.
 
     python benchmarks/bundles.py
 """
@@ -11,7 +10,7 @@ strain of 8 unlike units, each root counted in forces of the bundle. Efficiency 
 import time
 
 import numpy as np
-from cases import MAX_PRESSURE, MAX_STRAIN, make_muscle, unit_pressures, unlike_bundle
+from cases import MAX_PRESSURE, make_muscle, unlike_bundle
 from timing import Quartiles, Row, run, take_turns
 
 import fascicle as fs
@@ -52,25 +51,6 @@ def recruitment_rows(small: bool) -> list[Row]:
     ]
 
 
-def free_strain_row(small: bool) -> Row:
-    """Free strain, counted in forces."""
-    units, count = 8, 8 if small else 20_000
-    bundle, pressures = unlike_bundle(units), unit_pressures(count, units)
-    strain = np.random.default_rng(0).uniform(0.0, MAX_STRAIN, count)
-    times = take_turns(
-        {
-            "force": lambda: bundle.force(pressures, strain),
-            "root": lambda: bundle.free_strain(pressures),
-        },
-        rounds=3 if small else 7,
-        clock=time.process_time,
-    )
-    name = f"free strain of a bundle of {units} unlike units at {count:,} pressure vectors"
-    floor = f"one force of the bundle, {times.median('force') / count * 1e6:.3g} µs"
-    note = f"{times.median('root') / count * 1e6:.3g} µs a root"
-    return Row(name, times.ratio("root", "force"), "forces", floor, at_most=20, note=note)
-
-
 def map_rows(small: bool) -> list[Row]:
     """Efficiency maps of equal units, as in the paper's Fig. 10, and of unlike ones."""
     units, shape = (2, (5, 7)) if small else (6, (81, 121))
@@ -92,8 +72,8 @@ def map_rows(small: bool) -> list[Row]:
 
 
 def rows(small: bool = False) -> list[Row]:
-    """Recruitment, free strain and efficiency maps."""
-    return [*recruitment_rows(small), free_strain_row(small), *map_rows(small)]
+    """Recruitment and efficiency maps."""
+    return [*recruitment_rows(small), *map_rows(small)]
 
 
 if __name__ == "__main__":

@@ -2,13 +2,13 @@
 
 Compositions of one muscle share its forces: 65,536 splits of twelve muscles, mean efficiency and
 points not reached; the muscle's table is computed in every call. Unlike designs have four units
-with muscles of their own. The floor is the rate of `muscle.force` over a field with NumPy.
+with muscles of their own.
 
     python benchmarks/design_evaluation.py
 """
 
 import numpy as np
-from cases import LENGTH, MAX_PRESSURE, field, make_muscle
+from cases import LENGTH, MAX_PRESSURE, make_muscle
 from timing import Row, run, take_turns
 
 from fascicle.design import Designs, Task, compositions, evaluate
@@ -42,9 +42,7 @@ def unlike_designs(count: int, units: int = 4) -> Designs:
 
 def rows(small: bool = False) -> list[Row]:
     """Rates."""
-    points, splits, unlike, shape, parts = (
-        (10, 32, 8, (20, 30), 5) if small else (100, 65_536, 1024, (200, 10_000), 12)
-    )
+    points, splits, unlike, parts = (10, 32, 8, 5) if small else (100, 65_536, 1024, 12)
     task, muscle = make_task(points), make_muscle()
     all_splits = compositions(parts)
     chosen = np.random.default_rng(7).integers(0, len(all_splits), splits)
@@ -53,19 +51,11 @@ def rows(small: bool = False) -> list[Row]:
         "unlike designs, 4 units": (unlike_designs(unlike), 0.1),
     }
     calls = {name: lambda d=d: evaluate(d, task, OBJECTIVES) for name, (d, _) in designs.items()}
-    grid = field(*shape)
-    times = take_turns(
-        {"law": lambda: muscle.force(*grid), **calls}, rounds=3 if small else 9, budget=60.0
-    )
-    size, measured = shape[0] * shape[1], []
-    for (name, (_, goal)), count in zip(designs.items(), (splits, unlike), strict=True):
-        pairs = count * points
-        ratio = times.ratio("law", name, pairs / size)
-        measured += [
-            Row(f"{name}: pairs", times.rate(name, pairs / 1e6), "million/s", at_least=goal),
-            Row(f"{name}: pairs", ratio, "×", "rate of the force law, NumPy"),
-        ]
-    return measured
+    times = take_turns(calls, rounds=3 if small else 9, budget=60.0)
+    return [
+        Row(f"{name}: pairs", times.rate(name, count * points / 1e6), "million/s", at_least=goal)
+        for (name, (_, goal)), count in zip(designs.items(), (splits, unlike), strict=True)
+    ]
 
 
 if __name__ == "__main__":

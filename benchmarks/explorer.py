@@ -1,11 +1,8 @@
-"""The explorer: answers to a slider, first pictures, and what many visitors take of the server.
+"""The explorer in headless chromium: answers to a slider, and first pictures.
 
-In headless chromium: from the keydown on a slider to the curve's new data; each tab's first
+From the keydown on a slider to the curve's new data; each tab's first
 picture, from the address entered to the picture's data in an idle page, of a new server with an
 empty cache; and how long the standalone page of `fascicle export --page` draws, with its layout.
-
-Without a browser (`visitors.py`): 20 clients move their sliders at once, each as soon as it is
-answered; and 50 sessions are opened and closed in succession, every tab in turn.
 
     python benchmarks/explorer.py
 """
@@ -23,11 +20,12 @@ from pathlib import Path
 from typing import Any
 
 from timing import Quartiles, Row, run
-from visitors import FIRST_SOURCE, move_sliders, open_sessions
 
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 BUNDLE = "kim2021_bundle_1_4"
+# of each tab, the source that has the data of its first picture
+FIRST_SOURCE = {"muscle": "curve", "bundle": "regions", "data": "untuned"}
 MINUTES = 120_000  # ms until chromium gives up
 READY = """name => window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle
   && Object.values(Bokeh.documents[0].get_model_by_name(name)?.data ?? {}).some(x => x.length)"""
@@ -58,8 +56,8 @@ REDRAW = """async count => {
 
 
 @contextmanager
-def serve() -> Iterator[tuple[str, int]]:
-    """A new server with an empty cache: its address and process."""
+def serve() -> Iterator[str]:
+    """Address of a new server with an empty cache."""
     with (
         tempfile.TemporaryDirectory() as folder,
         subprocess.Popen(  # noqa: S603 this package's own command
@@ -70,22 +68,10 @@ def serve() -> Iterator[tuple[str, int]]:
         assert process.stdout is not None
         try:
             yield next(url[0] for line in process.stdout
-                       if (url := re.search(r"http://\S+", line))), process.pid  # fmt: skip
+                       if (url := re.search(r"http://\S+", line)))  # fmt: skip
         finally:
             process.terminate()
             process.wait(30)
-
-
-def resident(pid: int) -> float:
-    """Memory of a process [MB]."""
-    text = Path(f"/proc/{pid}/statm").read_text(encoding="utf-8")
-    return int(text.split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
-
-
-def cpu_seconds(pid: int) -> float:
-    """CPU time that a process has used [s]."""
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def open_page(browser: Any, url: str) -> Any:
@@ -112,7 +98,7 @@ def slider_answers(browser: Any, url: str, keys: int) -> list[float]:
 
 def first_picture(browser: Any, tab: str) -> float:
     """Seconds to a tab's first picture, on a new server."""
-    with serve() as (url, _):
+    with serve() as url:
         begin = time.perf_counter()
         page = open_page(browser, f"{url}?tab={tab}")
         page.wait_for_function(READY, arg=FIRST_SOURCE[tab], polling=20, timeout=MINUTES)
@@ -155,22 +141,9 @@ def browser_rows(url: str, keys: int, tabs: list[str]) -> list[Row]:
 
 
 def rows(small: bool = False) -> list[Row]:
-    """Times in a browser, and those and the memory of a server with many visitors."""
-    keys, clients, moves, sessions = (3, 2, 2, 2) if small else (100, 20, 25, 50)
-    tabs = list(FIRST_SOURCE)[: 1 if small else None]
-    with serve() as (url, pid):
-        in_browser = browser_rows(url, keys, tabs)
-        seconds, cpu = move_sliders(url, clients, moves, lambda: cpu_seconds(pid))
-        opening, memory = open_sessions(url, sessions), resident(pid)
-    move = Quartiles.of([max(1e3 * cpu / len(seconds), 1e-3)])
-    answers = Quartiles.of([1e3 * x for x in seconds])
-    return [
-        *in_browser,
-        Row(f"explorer: slider of {clients} clients at once", answers, "ms"),
-        Row(f"explorer: slider of {clients} clients at once, server's CPU each", move, "ms"),
-        Row("explorer: first picture without a browser", Quartiles.of(opening), "s"),
-        Row(f"explorer: server's memory after {sessions} sessions", Quartiles.of([memory]), "MB"),
-    ]
+    """Times in a browser."""
+    with serve() as url:
+        return browser_rows(url, 3 if small else 100, list(FIRST_SOURCE)[: 1 if small else None])
 
 
 if __name__ == "__main__":

@@ -2,8 +2,7 @@
 
 Of imports, commands and the README's first snippet the whole process counts, with its bytecode, as
 an installer leaves it; times beyond that of `python -c "import numpy"` have it as their floor. A
-call is made once in a process, and its CPU seconds count without the imports before it. Calls of
-Python functions and the files that they are in are counted by `sys.setprofile`.
+call is made once in a process, and its CPU seconds count without the imports before it.
 
     python benchmarks/first_call.py
 """

@@ -1,8 +1,7 @@
 """Simulations: 1 + 4 muscles on gas lift a mass for 10 s, in steps of 1 ms.
 
 One run, 256 of 1 s at once by `vmap`, and the gradient of a tracking cost by two gains, reverse.
-The floor of a run is a pendulum, simulated with as many Runge-Kutta stages by `lax.scan`. All are
-CPU seconds. The first run, with compilation, is in `first_call.py`.
+All are CPU seconds. The first run, with compilation, is in `first_call.py`.
 
     python benchmarks/simulation.py
 """
@@ -14,7 +13,6 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import lax
 from timing import Row, run, take_turns
 
 import fascicle as fs
@@ -90,18 +88,10 @@ def rows(small: bool = False) -> list[Row]:
         )
         return jnp.mean((outcome.outputs.position[1:] - target) ** 2)
 
-    @jax.jit
-    def pendulum(x: jax.Array) -> jax.Array:
-        def stage(y: jax.Array, _: None) -> tuple[jax.Array, None]:
-            return y + 1e-4 * jnp.stack([y[1], -jnp.sin(y[0])]), None
-
-        return lax.scan(stage, x, None, length=4 * SUBSTEPS * steps)[0]
-
     value, gradient = jax.jit(cost), jax.jit(jax.value_and_grad(cost))
     gains = jnp.array([300.0, 5.0])
     times = take_turns(
         {
-            "pendulum": lambda: jax.block_until_ready(pendulum(jnp.ones(2))),
             "run": lambda: simulate_gas(seconds),
             "batch": lambda: jax.block_until_ready(simulate_batch(commands)),
             "cost": lambda: jax.block_until_ready(value(gains)),
@@ -114,7 +104,6 @@ def rows(small: bool = False) -> list[Row]:
     name = f"{seconds:g} s of 1 + 4 muscles on gas, again"
     return [
         Row(f"{name}, CPU", times.of("run"), "s", at_most=0.1),
-        Row(name, times.ratio("run", "pendulum"), "×", "a pendulum in the same kind of loop"),
         Row(f"{batch} runs at once", times.rate("batch", batch * span), "bundle s/CPU s",
             at_least=400),
         Row(f"a tracking cost of {span:g} s, compiled, CPU", times.of("cost"), "s"),

@@ -19,7 +19,7 @@ _OVERFIT = 1.5  # of the error of the fit: a larger error at readings left out s
 FITS = ("not converged", "untested", "noise", "other sizes", "well", "roughly", "poorly")
 
 _TIED = 0.95  # correlation from which two parameters can't be interpreted one by one
-_DENSE = 10  # readings in the transition, as `benchmarks/recovery.py` shows
+_DENSE = 10  # readings in the transition: with fewer, the collapse moment's interval is too narrow
 _WIDER = 1.05  # ratio of widths: a smaller change is not visible in two digits
 _SIZES = ("length", "angle")  # dimensions of sizes
 _AFTER_COLLAPSE = ("hinge_stiffness_factor", "hinge_stiffness_slope", "transition_rate")
