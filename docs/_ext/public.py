@@ -1,9 +1,9 @@
 """Entries of public names, made from the packages: nobody lists them twice.
 
-    ```{public} fascicle.fluid
+    ```{public} fascicle.fluid fascicle.dynamics
     ```
 
-documents the classes and functions of a package, and
+documents the classes and functions of packages, and
 
     ```{linked}
     ```
@@ -13,6 +13,7 @@ those that theory pages name beside an equation, and that have no entry yet.
 
 import importlib
 import inspect
+import itertools
 import re
 from pathlib import Path
 from types import ModuleType
@@ -37,7 +38,8 @@ def public_names() -> dict[str, list[str]]:
     """
     lines = PAGE.read_text(encoding="utf-8").splitlines()
     names, seen = {}, {attach_lazy}
-    for package in [line.split()[1] for line in lines if line.startswith("```{public}")]:
+    blocks = [line.split()[1:] for line in lines if line.startswith("```{public}")]
+    for package in itertools.chain.from_iterable(blocks):
         module = _resolve(package)[0]
         things = {name: getattr(module, name) for name in dir(module) if not name.startswith("_")}
         ours = {name: thing for name, thing in things.items() if _is_ours(thing, module)}
@@ -92,13 +94,15 @@ def _resolve(name: str) -> tuple[Any, Any]:
 
 
 class Public(SphinxDirective):
-    """Entries of a package's names."""
+    """Entries of the names of packages."""
 
     required_arguments = 1
+    final_argument_whitespace = True
 
     def run(self) -> list[nodes.Node]:
         """The entries."""
-        return _parse_entries(self, public_names()[self.arguments[0]])
+        names = public_names()
+        return _parse_entries(self, sum((names[x] for x in self.arguments[0].split()), []))
 
 
 class Linked(SphinxDirective):
