@@ -102,7 +102,7 @@ class Public(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """The entries."""
         names = public_names()
-        return _parse_entries(self, sum((names[x] for x in self.arguments[0].split()), []))
+        return _parse_entries(self, [name for x in self.arguments[0].split() for name in names[x]])
 
 
 class Linked(SphinxDirective):
