@@ -36,7 +36,7 @@ _Table = TypeVar("_Table")
 
 # marks in pydantic's paths of a value that is either plain or a table: no key of a file
 _PLAIN, _TABLE = "\0plain", "\0table"
-_ORDER = ("extra_forbidden", "missing")  # faults that are shown first: they cause others
+_ORDER = {"extra_forbidden": 0, "missing": 1}  # faults that are shown first: they cause others
 _PLAIN_WORDS = {  # for pydantic's
     "Input should be": "must be",
     "greater than or equal to": "at least",
@@ -61,19 +61,11 @@ class TableModel(BaseModel):
     # built at its first use: a command reads one kind of file
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
-    @classmethod
-    def known_keys(cls, table: Any) -> list[str]:
-        """Keys to suggest for an unknown one in a `table` of this kind."""
-        del table
-        return [field.alias or name for name, field in cls.model_fields.items()]
-
 
 @dataclass(frozen=True)
 class Quantity:
-    """Annotation of a field that is text with a unit in the file, and a float [SI] here.
-
-    - `dimension`: a key of `fascicle.units.DIMENSIONS`.
-    - `many`: true to accept a list of quantities, too, as an array.
+    """Annotation of a field that is text with a unit in the file, of a `dimension` of
+    `fascicle.units`, and a float [SI] here; if `many`, also a list of them, an array.
     """
 
     dimension: str
@@ -109,14 +101,9 @@ def validate(model: type[_Model], data: Any, source: str) -> _Model:
 def _validation_message(
     error: ValidationError, source: str, data: Any, model: type[BaseModel]
 ) -> str:
-    """First fault of a file in one line: path, key, value and rule. `error`: pydantic's; `source`:
-    the file's name; `data`: its tables; `model`: which they should fit.
-    """
-    faults = sorted(
-        error.errors(include_url=False),
-        key=lambda fault: _ORDER.index(fault["type"]) if fault["type"] in _ORDER else len(_ORDER),
-    )
-    fault = faults[0]
+    """First fault of a file in one line: path, key, value and rule; arguments as of `validate`."""
+    faults = error.errors(include_url=False)
+    fault = min(faults, key=lambda x: _ORDER.get(x["type"], len(_ORDER)))
     kind, location = fault["type"], fault["loc"]
     path = [key for key in location if key not in (_PLAIN, _TABLE)]
     # a single muscle's name is empty
@@ -124,7 +111,8 @@ def _validation_message(
     if kind == "extra_forbidden":
         field = _field_at(model, location[:-1])
         section: Any = next(iter(_models(getattr(field, "annotation", None))), model)
-        hint = did_you_mean(str(keys[-1]), section.known_keys(value_at(data, path[:-1])))
+        names = [known.alias or name for name, known in section.model_fields.items()]
+        hint = did_you_mean(str(keys[-1]), names)
         return location_message(source, keys, f"unknown key{hint}")
     if kind == "missing":
         examples = getattr(_field_at(model, location), "examples", None) or [""]

@@ -53,81 +53,73 @@ class Dimension(NamedTuple):
         return "" in self.factors
 
 
+_FACTORS: dict[str, Any] = {  # SI units in a unit
+    "mm": "1e-3", "cm": "1e-2", "µm": "1e-6", "in": _INCH, "deg": _DEGREE, "mN": "1e-3",
+    "kN": 1000, "lbf": _POUND, "mN/s": "1e-3", "kPa": 1000, "MPa": 10**6, "bar": 10**5,
+    "mbar": 100, "psi": _POUND / _INCH**2, "1/bar": "1e-5", "1/kPa": "1e-3", "1/MPa": "1e-6",
+    "1/psi": _INCH**2 / _POUND, "N*mm": "1e-3", "Nm": 1, "Nmm": "1e-3", "mNm": "1e-3",
+    "kNm": 1000, "mJ": "1e-3", "kJ": 1000, "ms": "1e-3", "min": 60, "N/mm": 1000, "kN/mm": 10**6,
+    "mm^3": "1e-9", "cm^3": "1e-6", "L": "1e-3", "g": "1e-3", "g/m": "1e-3", "mm^2": "1e-6",
+    "cm^2": "1e-4", "kHz": 1000, "rpm": Fraction(1, 60), "mm/s": "1e-3", "kg*cm^2": "1e-4",
+    "N/kPa": "1e-3", "mW/K": "1e-3", "L/(s*bar)": "1e-8", "L/min": Fraction(1, 60_000),
+    "mL/min": Fraction(1, 60_000_000), "mm^3/kPa": "1e-12", "mm/kN": "1e-6", "mPa*s": "1e-3",
+    "%": "1e-2",
+}  # fmt: skip
+
+
 def _dimension(
-    article: str,
-    example: str,
-    si: str,
-    common: str,
-    exact: str,
-    alternatives: str = "",
-    **factors: Any,
-) -> Dimension:
-    """Dimension with its lists of units between blanks; SI units have the factor 1."""
-    table = {si: Fraction(1)} | {unit: Fraction(factor) for unit, factor in factors.items()}
-    units = tuple(exact.split(" ")), MappingProxyType(table), tuple(alternatives.split())
-    return Dimension(article, example, si, common, *units)
+    article: str, example: str, exact: str, alternatives: str = "", others: str = "",
+    common: str | None = None,
+) -> Dimension:  # fmt: skip
+    """Dimension with lists of units between blanks: of the `exact` ones the last is the SI unit,
+    and the first the common one.
+    """
+    units = exact.split(" ")
+    factors = {units[-1]: Fraction(1)}
+    for unit in (*units[:-1], *alternatives.split(), *others.split()):
+        factors.setdefault(unit, Fraction(_FACTORS.get(unit, 1)))
+    common = units[0] if common is None else common
+    table = MappingProxyType(factors)
+    return Dimension(article, example, units[-1], common, tuple(units), table,
+                     tuple(alternatives.split()))  # fmt: skip
 
 
+# pint takes the m of Nm for a prefix, and a turn for 2π
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
-    "length": _dimension("a length", "127 mm", "m", "mm", "mm m", "m µm",
-                         **{"mm": "1e-3", "cm": "1e-2", "µm": "1e-6", "in": _INCH}),
-    "angle": _dimension("an angle", "33 deg", "rad", "deg", "deg rad", deg=_DEGREE),
-    "force": _dimension("a force", "20 N", "N", "N", "N", "kN mN",
-                        mN="1e-3", kN=1000, lbf=_POUND),
-    "force_rate": _dimension("a change of force with time", "0.01 N/s", "N/s", "N/s", "N/s", "mN/s",
-                             **{"mN/s": "1e-3"}),
-    "pressure": _dimension("a pressure", "34.5 kPa", "Pa", "kPa", "kPa Pa", "MPa Pa",
-                           kPa=1000, MPa=10**6, bar=10**5, mbar=100, psi=_POUND / _INCH**2),
-    "inverse_pressure": _dimension("an inverse pressure", "0.92 1/bar", "1/Pa", "1/bar",
-                                   "1/bar 1/Pa", "1/kPa 1/MPa",
-                                   **{"1/bar": "1e-5", "1/kPa": "1e-3", "1/MPa": "1e-6",
-                                      "1/psi": _INCH**2 / _POUND}),
-    # pint takes the m of Nm for a prefix
-    "moment": _dimension("a moment", "0.03 N*m", "N*m", "N*m", "N*m", "N*mm",
-                         **{"N*mm": "1e-3", "Nm": 1, "Nmm": "1e-3", "mNm": "1e-3", "kNm": 1000}),
-    "energy": _dimension("an energy", "1.5 J", "J", "J", "J", "kJ mJ", mJ="1e-3", kJ=1000),
-    "time": _dimension("a time", "0.2 s", "s", "s", "s", "ms", ms="1e-3", min=60),
-    "stiffness": _dimension("a stiffness", "5 N/mm", "N/m", "N/mm", "N/mm N/m", "kN/mm N/m",
-                            **{"N/mm": 1000, "kN/mm": 10**6}),
-    "volume": _dimension("a volume", "12 cm^3", "m^3", "mm^3", "m^3", "cm^3 m^3",
-                         **{"mm^3": "1e-9", "cm^3": "1e-6", "L": "1e-3"}),
-    "mass": _dimension("a mass", "58 g", "kg", "kg", "g kg", "g", g="1e-3"),
-    "linear_density": _dimension("a mass per length", "94 g/m", "kg/m", "g/m", "g/m kg/m", "kg/m",
-                                 **{"g/m": "1e-3"}),
-    "density": _dimension("a density", "1100 kg/m^3", "kg/m^3", "kg/m^3", "kg/m^3"),
-    "area": _dimension("an area", "1 mm^2", "m^2", "mm^2", "mm^2 m^2", "cm^2",
-                       **{"mm^2": "1e-6", "cm^2": "1e-4"}),
-    "temperature": _dimension("a temperature", "293 K", "K", "K", "K"),
-    # pint takes a turn for 2π
-    "frequency": _dimension("a frequency", "0.5 Hz", "Hz", "Hz", "Hz",
-                            kHz=1000, rpm=Fraction(1, 60)),
-    "acceleration": _dimension("an acceleration", "9.81 m/s^2", "m/s^2", "m/s^2", "m/s^2"),
-    "velocity": _dimension("a velocity", "1 mm/s", "m/s", "mm/s", "mm/s m/s", **{"mm/s": "1e-3"}),
-    "damping": _dimension("a damping", "50 N*s/m", "N*s/m", "N*s/m", "N*s/m"),
-    "angular_damping": _dimension("a damping of a turn", "0.1 N*m*s/rad", "N*m*s/rad", "N*m*s/rad",
-                                  "N*m*s/rad"),
-    "angular_stiffness": _dimension("a stiffness of a turn", "20 N*m/rad", "N*m/rad", "N*m/rad",
-                                    "N*m/rad"),
-    "inertia_moment": _dimension("a moment of inertia", "0.01 kg*m^2", "kg*m^2", "kg*m^2",
-                                 "kg*m^2", "kg*cm^2", **{"kg*cm^2": "1e-4"}),
-    "slip": _dimension("a force per pressure", "0.02 N/kPa", "N/Pa", "N/kPa", "N/kPa N/Pa",
-                       **{"N/kPa": "1e-3"}),
-    "wall_conductance": _dimension("a conductance of heat", "0.2 W/K", "W/K", "W/K", "W/K", "mW/K",
-                                   **{"mW/K": "1e-3"}),
-    "sonic_conductance": _dimension("a sonic conductance", "0.1 L/(s*bar)", "m^3/(s*Pa)",
-                                    "L/(s*bar)", "L/(s*bar) m^3/(s*Pa)",
-                                    **{"L/(s*bar)": "1e-8"}),
-    "volume_flow": _dimension("a flow", "100 L/min", "m^3/s", "L/min", "L/min m^3/s",
-                              "mL/min m^3/s", **{"L/min": Fraction(1, 60_000),
-                                                 "mL/min": Fraction(1, 60_000_000)}),
-    "compliance": _dimension("a volume per pressure", "1e-12 m^3/Pa", "m^3/Pa", "mm^3/kPa",
-                             "mm^3/kPa m^3/Pa", **{"mm^3/kPa": "1e-12"}),
-    "axial_compliance": _dimension("a length per force", "20 mm/kN", "m/N", "mm/kN", "mm/kN m/N",
-                                   **{"mm/kN": "1e-6"}),
-    "viscosity": _dimension("a viscosity", "39 mPa*s", "Pa*s", "mPa*s", "mPa*s Pa*s",
-                            **{"mPa*s": "1e-3"}),
-    "strain": _dimension("a strain", "0.12", "", "", "", **{"%": "1e-2"}),
-    "number": _dimension("a number", "1.25", "", "", "", **{"%": "1e-2"}),
+    "length": _dimension("a length", "127 mm", "mm m", "m µm", "cm in"),
+    "angle": _dimension("an angle", "33 deg", "deg rad"),
+    "force": _dimension("a force", "20 N", "N", "kN mN", "lbf"),
+    "force_rate": _dimension("a change of force with time", "0.01 N/s", "N/s", "mN/s"),
+    "pressure": _dimension("a pressure", "34.5 kPa", "kPa Pa", "MPa Pa", "bar mbar psi"),
+    "inverse_pressure": _dimension("an inverse pressure", "0.92 1/bar", "1/bar 1/Pa",
+                                   "1/kPa 1/MPa", "1/psi"),
+    "moment": _dimension("a moment", "0.03 N*m", "N*m", "N*mm", "Nm Nmm mNm kNm"),
+    "energy": _dimension("an energy", "1.5 J", "J", "kJ mJ"),
+    "time": _dimension("a time", "0.2 s", "s", "ms", "min"),
+    "stiffness": _dimension("a stiffness", "5 N/mm", "N/mm N/m", "kN/mm N/m"),
+    "volume": _dimension("a volume", "12 cm^3", "m^3", "cm^3 m^3", "mm^3 L", "mm^3"),
+    "mass": _dimension("a mass", "58 g", "g kg", "g", common="kg"),
+    "linear_density": _dimension("a mass per length", "94 g/m", "g/m kg/m", "kg/m"),
+    "density": _dimension("a density", "1100 kg/m^3", "kg/m^3"),
+    "area": _dimension("an area", "1 mm^2", "mm^2 m^2", "cm^2"),
+    "temperature": _dimension("a temperature", "293 K", "K"),
+    "frequency": _dimension("a frequency", "0.5 Hz", "Hz", "", "kHz rpm"),
+    "acceleration": _dimension("an acceleration", "9.81 m/s^2", "m/s^2"),
+    "velocity": _dimension("a velocity", "1 mm/s", "mm/s m/s"),
+    "damping": _dimension("a damping", "50 N*s/m", "N*s/m"),
+    "angular_damping": _dimension("a damping of a turn", "0.1 N*m*s/rad", "N*m*s/rad"),
+    "angular_stiffness": _dimension("a stiffness of a turn", "20 N*m/rad", "N*m/rad"),
+    "inertia_moment": _dimension("a moment of inertia", "0.01 kg*m^2", "kg*m^2", "kg*cm^2"),
+    "slip": _dimension("a force per pressure", "0.02 N/kPa", "N/kPa N/Pa"),
+    "wall_conductance": _dimension("a conductance of heat", "0.2 W/K", "W/K", "mW/K"),
+    "sonic_conductance": _dimension("a sonic conductance", "0.1 L/(s*bar)",
+                                    "L/(s*bar) m^3/(s*Pa)"),
+    "volume_flow": _dimension("a flow", "100 L/min", "L/min m^3/s", "mL/min m^3/s"),
+    "compliance": _dimension("a volume per pressure", "1e-12 m^3/Pa", "mm^3/kPa m^3/Pa"),
+    "axial_compliance": _dimension("a length per force", "20 mm/kN", "mm/kN m/N"),
+    "viscosity": _dimension("a viscosity", "39 mPa*s", "mPa*s Pa*s"),
+    "strain": _dimension("a strain", "0.12", "", "", "%"),
+    "number": _dimension("a number", "1.25", "", "", "%"),
 })  # fmt: skip
 
 _MIX_UPS = {  # by dimension and that of the unit which was written: what to do

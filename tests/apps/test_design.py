@@ -5,9 +5,9 @@ import re
 
 import numpy as np
 import pytest
+import xarray
 
 import fascicle as fs
-from fascicle.results import labelled as results
 
 
 TASK = """format = 1
@@ -48,7 +48,7 @@ def test_design_writes_bundles_and_a_page(fascicle, written, tmp_path):
     page = (folder / "report.html").read_text(encoding="utf-8")
     # nothing is asked of anyone else
     assert not re.search(r'(src|href)="(?!data:|#)[a-z]+:', page)
-    front = results.read(folder / "front.nc")
+    front = xarray.load_dataset(folder / "front.nc")
     assert front.mean_efficiency.attrs["units"] == "1" and front.envelope.attrs["units"] == "m"
     assert np.all(front.valves <= 3) and front.recommended.sum() == 1
     assert np.all(front.margin >= 0) and front.case_reached.all()
@@ -61,7 +61,7 @@ def test_design_writes_bundles_and_a_page(fascicle, written, tmp_path):
     first = fs.load(folder / "bundle_1.toml")
     units = "+".join(str(int(unit.count)) for unit in first.motor_units)
     assert units == front.composition[0].item()
-    all_designs = results.read(folder / "designs.nc")
+    all_designs = xarray.load_dataset(folder / "designs.nc")
     assert all_designs.sizes["design"] == 14 and all_designs.front.sum() == front.front.sum()
 
 
@@ -201,7 +201,7 @@ def test_a_sweep_and_its_front(fascicle, written, tmp_path):
     written.write_text(TASK + "\n[sweep]\nblock = 5\n")
     code, _, err = fascicle("sweep", "task.toml", "--workers", "0")
     assert code == 0 and "3 of 3 blocks" in err
-    front = results.read(tmp_path / "swept-task" / "front.nc")
+    front = xarray.load_dataset(tmp_path / "swept-task" / "front.nc")
     array = zarr.open_array(tmp_path / "swept-task" / "designs.zarr", mode="r")
     values = dict(zip(array.attrs["objectives"], array[:].T, strict=True))
     assert len(values["margin"]) == 14

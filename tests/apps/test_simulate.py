@@ -5,10 +5,10 @@ import re
 from pathlib import Path
 
 import pytest
+import xarray
 
 from fascicle.control import POLICIES
 from fascicle.files import example_text
-from fascicle.results.labelled import read
 
 
 SHORT = (
@@ -25,7 +25,7 @@ def test_a_table_files_and_a_page(fascicle, tmp_path):
         "--bode", "bode.pdf",
     )  # fmt: skip
     assert (code, err) == (0, "") and all(f"wrote {x}" in out for x in ("a.nc", "bode.pdf"))
-    data = read(tmp_path / "a.nc")
+    data = xarray.load_dataset(tmp_path / "a.nc")
     assert data.sizes["time"] == 41
     assert "<h1" in (tmp_path / "a.html").read_text()
     assert (tmp_path / "a.png").stat().st_size > 10_000
@@ -62,7 +62,7 @@ def test_a_run_that_is_controlled_says_what_it_was_worth(fascicle):
     assert (found["control_recruited"], found["control_unreachable"]) == (1, 0)
     assert found["control_first"] is None and found["control_supply_energy"] > 10
     assert len(found["demand"]) == len(found["controlled"]) == len(found["time"])
-    data = read("a.nc")
+    data = xarray.load_dataset("a.nc")
     assert data["control_rms"].attrs["units"] == data["demand"].attrs["units"] == "N"
     assert "<svg" in Path("a.svg").read_text() and Path("a.html").exists()
 
@@ -106,7 +106,9 @@ def test_what_cant_be_trusted_is_said_and_ends_with_1(fascicle, tmp_path):
     (tmp_path / "a.toml").write_text(stiff.partition('[[schedule]]\ntime = "1.5 s"')[0])
     code, _, err = fascicle("simulate", "a.toml", "-o", "a.nc")
     assert code == 1 and err.startswith("a: the run can't be trusted: ") and err.count("\n") == 1
-    data = read(tmp_path / "a.nc")  # written all the same, with what is wrong with it
+    data = xarray.load_dataset(
+        tmp_path / "a.nc"
+    )  # written all the same, with what is wrong with it
     assert "can't be trusted" in data.attrs["notes"] and "cavitates" in data["event"].values
 
 

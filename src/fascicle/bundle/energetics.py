@@ -27,7 +27,6 @@ which is exact wherever the muscle pulls: its force and work are linear in press
 **Source:** Kim, Mazzoleni and Bryant (2021), section 4.2 and Fig. 10.
 """
 
-import warnings
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -37,7 +36,13 @@ import numpy as np
 from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
 from ..core.types import Batch, Float, Int, Numbers, PerUnit, Values
-from ..core.validation import check_choice, check_finite, check_gauge_pressure, check_positive
+from ..core.validation import (
+    check_choice,
+    check_finite,
+    check_gauge_pressure,
+    check_positive,
+    warn_user,
+)
 from ..muscle.coenergy import contraction_work, integrate_force
 from ..muscle.piecewise import PressurizedMuscle
 from .pressurized import pressurize, unit_volume_change
@@ -160,10 +165,7 @@ def efficiency_map(
     is_isobaric = check_choice(path, PATHS, "path") == "isobaric"
     if is_isobaric and scheme.independent:
         rule = f"must be 'isotonic' with scheme {scheme.name!r}"
-        remedy = (
-            "many pressures of its units give one force and strain, each with its own work on the"
-            ' way; ask for path="isotonic" (--path isotonic)'
-        )
+        remedy = "many pressures of its units give one point, each with its own work on the way"
         raise InvalidInputError("path", rule, path, remedy)
     distinct, inverse = bundle.distinct_units()
     states, owner = states_of(scheme, len(bundle.motor_units)).sets(inverse.tolist())
@@ -203,11 +205,10 @@ def efficiency_map(
     highest = float(np.nanmax(best, initial=0.0))
     if highest > 1 + _ROUNDING:
         laws = dict.fromkeys(unit.muscle.tension.name for unit in bundle.motor_units)
-        warnings.warn(
+        warn_user(
             f"an efficiency of {highest:.3g} is impossible: {' and '.join(laws)} does more work"
             " than the fluid in a braid of these sizes brings, which a law that is only fitted, or"
-            " was fitted to another muscle, may do. Don't rely on the average either.",
-            stacklevel=2,
+            " was fitted to another muscle, may do. Don't rely on the average either."
         )
     return EfficiencyMap(path, force, strain, best, state)
 
@@ -222,9 +223,8 @@ def average_efficiency(
     """Plain mean of the efficiency [-] over the points of its map that a bundle reaches [R18];
     arguments and errors are those of `efficiency_map`: `supply_pressure` [Pa].
     """
-    return efficiency_map(
-        bundle, supply_pressure, path, resistance=resistance, scheme=scheme
-    ).average
+    options = {"resistance": resistance, "scheme": scheme}
+    return efficiency_map(bundle, supply_pressure, path, **options).average  # type: ignore[arg-type]
 
 
 def _largest_work(forces: np.ndarray, works: np.ndarray, target: np.ndarray) -> Grid:

@@ -20,12 +20,7 @@ from ..core.array_namespace import slices
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, tree_map, unique_indices
 from ..core.types import AnyArray, Bool, Float, Int, Numbers, Values
-from ..core.validation import (
-    broadcast_shape,
-    check_choice,
-    check_finite,
-    is_concrete,
-)
+from ..core.validation import broadcast_shape, check_choice, check_finite, is_concrete
 from ..repr_table import with_table_repr
 from .force_curves import ROOT_TOLERANCE, Array, Roots, StateCurves, find_roots, run_starts
 from .pressurized import unit_volume_change

@@ -12,7 +12,6 @@ that is shorter than $L$ is stretched from the start. **Valid** while no muscle'
 straight as long as another one isn't pulled.
 """
 
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
 from typing import Any
@@ -23,7 +22,7 @@ from ..core.array_namespace import add_table_axis, array_namespace, stack
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static, tree_leaves, tree_map, tree_structure, with_fields
 from ..core.types import Batch, Numbers, PerUnit, Values, Whole
-from ..core.validation import LARGEST_STRAIN, check_size, is_concrete, traced_floats
+from ..core.validation import LARGEST_STRAIN, check_size, is_concrete, traced_floats, warn_user
 from ..muscle import Muscle
 from ..muscle.muscle import map_numbers
 from ..muscle.piecewise import PressurizedMuscle
@@ -203,10 +202,9 @@ def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
     """Refuse `muscles` whose volume depends on their force, too; warn of braids that swell."""
     for muscle in muscles:
         if muscle.tension.stretches:
-            warnings.warn(
+            warn_user(
                 "fluid is counted in the braid as it is without pressure: the volume by which"
-                " fibers that stretch let it swell is not included.",
-                stacklevel=3,
+                " fibers that stretch let it swell is not included."
             )
         compliance = muscle.ends.compliance
         if is_concrete(compliance) and np.any(np.asarray(compliance) > 0):

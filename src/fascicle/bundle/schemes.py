@@ -45,10 +45,8 @@ class AbstractScheme(ABC):
         """True for an equal scheme, and for its name."""
         if isinstance(scheme, str):
             return self.name == scheme
-        if type(self) is not type(scheme):
-            return False
-        own, other = vars(self), vars(scheme)
-        return own.keys() == other.keys() and all(_is_equal(own[x], other[x]) for x in own)
+        # by their texts: attributes may be arrays, and this module imports no NumPy
+        return type(self) is type(scheme) and repr(self) == repr(scheme)
 
     def __hash__(self) -> int:
         """Hash of the name, which the scheme equals."""
@@ -62,21 +60,13 @@ class AbstractScheme(ABC):
         return f"{type(self).__name__}({arguments})"
 
 
-def _is_equal(value: object, other: object) -> bool:
-    """True for equal attributes of two schemes, arrays among them."""
-    import numpy as np  # a scheme with attributes is a user's
-
-    return value is other or bool(np.array_equal(value, other))  # type: ignore[arg-type]
-
-
 Scheme = TypeVar("Scheme", bound=AbstractScheme)
 SCHEMES: dict[str, AbstractScheme] = {}
 
 
 def register(scheme: type[Scheme]) -> type[Scheme]:
-    """Class decorator: let files, the command line and the explorer know a scheme by its name.
-
-    The `__init__` of the class takes no arguments. `ValueError` for the name of another class.
+    """Class decorator: let files, the command line and the explorer know a scheme, made without
+    arguments, by its name; `ValueError` for that of another class.
     """
     if scheme.name in SCHEMES and type(SCHEMES[scheme.name]) is not scheme:
         rule, remedy = f"{scheme.name!r} is another scheme's", "choose a name that is free"

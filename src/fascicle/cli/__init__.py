@@ -24,12 +24,10 @@ atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run one command and exit.
+    """Run one command by the words of its command line, by default those of the process, and exit.
 
     Exit codes: 0 success; 1 a failed claim or balance, or an end from outside; 2 a user's mistake;
     3 an incomplete result; 70 a bug; 130 Ctrl-C.
-
-    **Arguments:** `arguments`: words of the command line; default: those of the process.
     """
     arguments = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     _open_streams()

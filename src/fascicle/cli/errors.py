@@ -46,11 +46,8 @@ def user_errors(prefix: str = "") -> Iterator[None]:
 
 
 def exit_code_and_message(error: Exception) -> tuple[int, str]:
-    """Exit code of a command that ended with `error`, and its message in one line.
-
-    **Returns:** an empty message for Ctrl-C and a closed pipe, such as that of `| head`.
-
-    **Raises:** `error`, if it is a bug and `FASCICLE_TRACEBACK` is set.
+    """Exit code of a command that ended with `error`, and its message in one line, empty for Ctrl-C
+    and a closed pipe; raises the error if it is a bug and `FASCICLE_TRACEBACK` is set.
     """
     if isinstance(error, UserError):
         return error.code, str(error)

@@ -6,9 +6,11 @@ from typing import Any
 import fascicle as fs
 
 from .. import export as exports
+from ..files import scenarios
+from ..io import atomic
 from . import options
 from .errors import UserError, user_errors
-from .inputs import is_scenario, read_bundle, read_list, read_scenario, read_target
+from .inputs import is_path, read_bundle, read_list, read_scenario, read_target
 from .options import Text, option
 from .outputs import Outputs, check_file, replace_output, write_text
 from .terminal import print_line, status
@@ -49,25 +51,28 @@ def export(
     contraction, which needs neither fascicle nor a network. Later changes of FILE don't change what
     was exported.
     """
-    files = {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim}
-    _check_outputs(table, files, pressure, overwrite)
+    outputs = {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim}
+    _check_outputs(table, outputs, pressure, overwrite)
     target = _read_exported(file, units, page is not None)
     from ..export.c_files import check_c_name
 
     if (values or opensim) and not isinstance(target, fs.Muscle):
         option_name = "--values" if values else "--opensim"
         raise UserError(f"{option_name}: {file} is a bundle: export each of its muscles.")
-
     with user_errors():
         check_c_name(name)
+    code = [Path(table or "") / f"{name}{suffix}" for suffix in (".h", ".c")]
     if table is not None:
-        _check_c(table, name, overwrite)
+        with user_errors("--table "):
+            atomic.check_writable(table, folder=True)
+        for path in code if Path(table).is_dir() else ():
+            check_file("--table", path, overwrite)
     pressures = None if pressure is None else read_list(pressure, "pressure", "--pressure")
     if values is not None:
-        outputs = Outputs(out=values, overwrite=overwrite)
+        result = Outputs(out=values, overwrite=overwrite)
         with status("computing the table"), user_errors():
             variables = fs.tables.muscle_table(target, pressures)
-        outputs.write(variables, lambda: None, title=f"Table of {file}")
+        result.write(variables, lambda: None, title=f"Table of {file}")
     if opensim is not None:
         with user_errors():
             text = exports.opensim_element(target, name, max(pressures or ()))
@@ -84,7 +89,15 @@ def export(
         with status("computing the table"), user_errors():
             tables = exports.tabulate(target, precision)
             texts = tables.code(name)
-        _write_c(table, name, texts, overwrite)
+            Path(table).mkdir(parents=True, exist_ok=True)
+        # both are drafts until both are complete
+        with (
+            replace_output("--table", code[0], overwrite) as header,
+            replace_output("--table", code[1], overwrite) as source,
+        ):
+            for draft, text in zip((header, source), texts, strict=True):
+                draft.write_text(text, encoding="utf-8", newline="\n")
+        print_line(f"wrote {code[0]} and {code[1]}")
         print_line(tables.errors)
     if fmu is not None:
         _write_fmu(fmu, target, name, sample_time, platform, overwrite)
@@ -110,7 +123,11 @@ def _check_outputs(
 
 def _read_exported(file: str, units: str | None, page: bool) -> Any:
     """Read a muscle, a bundle, or a scenario's controller, which a `page` can't show."""
-    if not is_scenario(file):
+    from ..files.muscle_files import read_file
+
+    with user_errors():
+        is_scenario = "load" in read_file(Path(file)) if is_path(file) else file in scenarios()
+    if not is_scenario:
         return read_target(file) if units is None else read_bundle(file, units)
     if units is not None:
         raise UserError(f"--units: {file} is a scenario, which has its motor units.")
@@ -132,10 +149,7 @@ def _write_fmu(
     from ..export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
 
     message = ""
-    with (
-        status("computing the table, building the unit"),
-        replace_output("", fmu, overwrite) as x,
-    ):
+    with status("computing the table, building the unit"), replace_output("", fmu, overwrite) as x:
         try:
             exports.write_fmu(target, x, name, sample_time, platform)
         except UnbuiltUnitError as error:
@@ -143,32 +157,6 @@ def _write_fmu(
     if message:
         raise UserError(f"--fmu {fmu}: {message}; the file holds sources only.")
     print_line(f"wrote {fmu}")
-
-
-def _check_c(folder: str, name: str, overwrite: bool) -> None:
-    """Refuse header and source that can't be written, before the work begins."""
-    from ..io.atomic import check_writable
-
-    with user_errors("--table "):
-        check_writable(folder, folder=True)
-    if Path(folder).is_dir():
-        for suffix in (".h", ".c"):
-            check_file("--table", Path(folder) / f"{name}{suffix}", overwrite)
-
-
-def _write_c(folder: str, name: str, texts: tuple[str, str], overwrite: bool) -> None:
-    """Write the `texts` of header and source, and print their paths."""
-    with user_errors("--table "):
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    header, source = (Path(folder) / f"{name}{suffix}" for suffix in (".h", ".c"))
-    # both are drafts until both are complete
-    with (
-        replace_output("--table", header, overwrite) as header_draft,
-        replace_output("--table", source, overwrite) as source_draft,
-    ):
-        for draft, text in zip((header_draft, source_draft), texts, strict=True):
-            draft.write_text(text, encoding="utf-8", newline="\n")
-    print_line(f"wrote {header} and {source}")
 
 
 COMMANDS = {"export": export}

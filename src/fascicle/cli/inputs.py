@@ -24,11 +24,8 @@ MAX_GRID = 1_000_000  # points of a table: a slip in a step must not fill the me
 
 
 def load_laws() -> None:
-    """Import the laws, with JAX quiet, on the CPU, and its compiled functions cached on disk, here
-    and in processes that this one starts.
-
-    A command evaluates a few thousand points: starting a GPU would take longer than that.
-    `JAX_PLATFORMS`, if set, is respected. `FASCICLE_NO_CACHE=1` writes no cache.
+    """Import the laws, with JAX quiet, on the CPU unless `JAX_PLATFORMS` is set, and its compiled
+    functions cached on disk unless `FASCICLE_NO_CACHE=1`, here and in processes started from here.
     """
     # the CPU is always present; XLA's own log is on standard error
     variables = {"JAX_PLATFORMS": "cpu", "TF_CPP_MIN_LOG_LEVEL": "3"}
@@ -49,13 +46,12 @@ def load_laws() -> None:
 
 def _cache_folder() -> Path | None:
     """Folder of compiled functions; `None` if it can't be written or `FASCICLE_NO_CACHE` is set."""
-    if os.environ.get("FASCICLE_NO_CACHE", "") not in ("", "0"):
-        return None
     variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
     with contextlib.suppress(OSError, RuntimeError, ValueError):  # RuntimeError: no home
         folder = Path(os.environ.get(variable, "") or "~/.cache").expanduser() / "fascicle/compiled"
-        folder.mkdir(parents=True, exist_ok=True)
-        return folder if folder.is_absolute() and os.access(folder, os.W_OK) else None
+        if os.environ.get("FASCICLE_NO_CACHE", "") in ("", "0") and folder.is_absolute():
+            folder.mkdir(parents=True, exist_ok=True)
+            return folder if os.access(folder, os.W_OK) else None
     return None
 
 
@@ -86,16 +82,6 @@ def _check_target(target: str, names: list[str]) -> None:
     matches = difflib.get_close_matches(target, names, n=1, cutoff=0.5)  # half of the letters
     hint = f"did you mean {matches[0]}?" if matches else f"choose one of {', '.join(names)}."
     raise UserError(f"{sanitize_line(target, 100)}: no such file, nor an example: {hint}")
-
-
-def is_scenario(target: str) -> bool:
-    """True for the name of a scenario, or the path of a file that has a `load`."""
-    from ..files.muscle_files import read_file
-
-    if not is_path(target):
-        return target in files.scenarios()
-    with user_errors():
-        return "load" in read_file(Path(target))
 
 
 def is_path(target: str) -> bool:

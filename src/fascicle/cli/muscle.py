@@ -159,19 +159,22 @@ def _print_measured(as_json: bool) -> None:
     if as_json:
         print(json.dumps({name: entry.as_dict() for name, entry in fs.catalog.items()}))
         return
-    heads = ["name", "length [mm]", "outer diameter [mm]", "pressure [kPa]", "contraction [%]"]
+    columns = {  # factors and decimals
+        "length [mm]": (1e3, 1), "outer diameter [mm]": (2e3, 1), "pressure [kPa]": (1e-3, 0),
+        "contraction [%]": (100, 1), "error [N]": (1, 2), "error [%]": (100, 2),
+    }  # fmt: skip
     rows = []
     for entry in fs.catalog.values():
-        pressure, strain = (ends and ends[1] for ends in entry.range)
-        numbers = [
-            (float(entry.muscle.length), 1e3, 1),
-            (2 * float(entry.muscle.outer_radius), 1e3, 1),
-            (pressure, 1e-3, 0),
-            (strain, 100, 1),
-            (entry.error.rmse, 1, 2),
-            (entry.error.relative_rmse, 100, 2),
+        limits, muscle, error = (
+            [ends and ends[1] for ends in entry.range],
+            entry.muscle,
+            entry.error,
+        )
+        numbers = (muscle.length, muscle.outer_radius, *limits, error.rmse, error.relative_rmse)
+        texts = [
+            "-" if x is None else number(factor * float(x), decimals)
+            for x, (factor, decimals) in zip(numbers, columns.values(), strict=True)
         ]
-        texts = ["-" if x is None else number(factor * x, n) for x, factor, n in numbers]
         rows.append([entry.name, *texts, entry.basis, entry.license.partition(";")[0]])
     caption = (
         "pressure, contraction: largest measured values; error: root mean square, in N and in % of"
@@ -179,8 +182,7 @@ def _print_measured(as_json: bool) -> None:
         " not published. Every command takes a muscle by its name; `fascicle muscles NAME` prints"
         " it with its source."
     )
-    heads += ["error [N]", "error [%]", "basis", "license"]
-    print_table("Measured muscles", heads, rows, caption)
+    print_table("Measured muscles", ["name", *columns, "basis", "license"], rows, caption)
 
 
 def laws(
@@ -198,16 +200,11 @@ def laws(
     from ..muscle.law import package_of
     from ..muscle.laws import LAWS
 
-    laws = [
-        (name, law)
-        for name, by_name in LAWS.items()
-        for law in by_name.values()
-        if kind in (None, name, law.name)
-    ]
-    if not laws:
-        names = {name for by_name in LAWS.values() for name in by_name}
+    laws = [(name, law) for name, by_name in LAWS.items() for law in by_name.values()]
+    if kind is not None:
         with user_errors():
-            check_choice(kind or "", [*LAWS, *names], "kind")
+            check_choice(kind, {*LAWS, *(law.name for _, law in laws)}, "kind")
+        laws = [(name, law) for name, law in laws if kind in (name, law.name)]
     constants = {law: [x.name for x in (*law.constants(), *law.switches())] for _, law in laws}
     if as_json:
         keys = ("kind", "law", "constants", "source", "package")

@@ -101,10 +101,7 @@ class Outputs:
         title: str,
         notes: str = "",
     ) -> None:
-        """Write the files, then print.
-
-        **Arguments:** `table`: prints for a reader; `figure`: returns that of --plot.
-        """
+        """Write the files, then print; `table` prints for a reader, `figure` returns --plot's."""
         from ..results import labelled
 
         with status("writing the result") as update:

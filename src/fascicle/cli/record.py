@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 _LABEL_WIDTH = 35  # characters: a table fits next to it
 _DOUBTS = 3  # in a line that is still read
-_LINES = 10  # of a verdict with the constants: more are not read
 _CRITERIA = (
     "left-out error: at pressures left out of the fit; pull at clipped: largest pull of the law"
     " where a reading is clipped; AIC, BIC: by the likelihood of all readings, also of clipped ones"
@@ -177,16 +176,10 @@ def record(
     clipped = int(synthetic.censored.sum())
     if as_json:
         summary = {
-            "synthetic": True,
-            "path": out,
-            "seed": seed,
-            "readings": len(synthetic),
-            "censored": clipped,
-            "rest_length": synthetic.rest_length,
-            "largest_strain": strain,
-            "largest_force": force,
-            "notes": list(synthetic.notes),
-        }
+            "synthetic": True, "path": out, "seed": seed, "readings": len(synthetic),
+            "censored": clipped, "rest_length": synthetic.rest_length, "largest_strain": strain,
+            "largest_force": force, "notes": list(synthetic.notes),
+        }  # fmt: skip
         print(json.dumps(summary))
         return
     print_line(f"wrote {out}: {len(synthetic)} synthetic readings, {clipped} clipped")
@@ -378,10 +371,7 @@ def _read_priors(
 
 
 def _compare(
-    fit: "fitting.Calibration",
-    start: "fs.Muscle",
-    priors: Mapping[str, "fitting.Prior"],
-    settings: dict[str, Any],
+    fit: "fitting.Calibration", start: "fs.Muscle", priors: Any, settings: dict[str, Any]
 ) -> "LawComparison":
     """Compare laws of resisting force if that was fitted, else of tension."""
     pulling = fit.method == "constants" or fit.fit_data.pulls
@@ -396,44 +386,32 @@ def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
     """Print the verdict and the constants; with `verbose`, all tables and warnings."""
     from ..report import calibration_words as words
 
-    fit = result.fit
-    first, last = words.verdict_lines(fit, result.choice)
+    fit, choice, posterior = result.fit, result.choice, result.posterior
+    first, last = words.verdict_lines(fit, choice)
     gauges = [f"{text[0].lower()}{text[1:]}" for text in words.gauge_error_texts(fit)]
     if doubts := [*gauges, *fit.record.doubts]:
         more = f"; {len(doubts) - _DOUBTS} more in the report" if len(doubts) > _DOUBTS else ""
         last.insert(0, f"Check: {'; '.join(doubts[:_DOUBTS])}{more}.")
-    # the verdict names the others, and the report has them
-    rows = words.constant_rows(tuple(e for e in fit.parameters if e.identifiable and not e.bound))
-    chosen = f", best of {len(result.choice.candidates)} candidate sets" if result.choice else ""
-    if rows:
-        comma = "," if chosen else ""
-        head = f"Constants{chosen}{comma} with 90 % intervals (linear approximation):"
-    elif fit.parameters:
-        head = f"Constants{chosen}: the data determine none of them."
-    else:
-        head = f"Constants: as given{chosen}; none was fitted."
     if result.comparison is not None:
-        best = result.comparison.rows[0]
-        last.append(
-            f"Best of {len(result.comparison.rows)} laws, by AIC: {best.label}, error"
-            f" {pretty(best.rmse, 'force', 3)}."
-        )
-    if (posterior := result.posterior) is not None:
+        best, count = result.comparison.rows[0], len(result.comparison.rows)
+        error = pretty(best.rmse, "force", 3)
+        last.append(f"Best of {count} laws, by AIC: {best.label}, error {error}.")
+    if posterior is not None:
         converged = "converged" if posterior.agrees else "not converged yet"
         last.append(
             f"Posterior: {converged}, R-hat up to {max(posterior.r_hat):.4f}, effective sample size"
             f" {min(posterior.ess):.0f}, {posterior.divergences} divergences."
         )
-    # with the heading of the constants, and the line on the files that were written
-    room = len(rows) if verbose else max(_LINES - len(first) - len(last) - 2, 1)
-    count = len(rows) if len(rows) <= room else room - 1
-    widths = [max((len(row[i]) for row in rows[:count]), default=0) for i in range(2)]
-    for line in (*first, head):
+    # the verdict names the others, and the report has them
+    rows = words.constant_rows(tuple(e for e in fit.parameters if e.identifiable and not e.bound))
+    chosen = f", best of {len(choice.candidates)} candidate sets" if choice else ""
+    note = ": the data determine none" if fit.parameters else ": as given, none was fitted"
+    note = ", with 90 % intervals (linear approximation):" if rows else f"{note}."
+    for line in (*first, f"Constants{chosen}{note}"):
         print_line(line)
-    for name, value, interval in rows[:count]:
+    widths = [max((len(row[i]) for row in rows), default=0) for i in range(2)]
+    for name, value, interval in rows:
         print(escape_invisible(f"  {name:<{widths[0]}}  {value:>{widths[1]}}  {interval}"))
-    if further := [f"{name} {value} ({interval})" for name, value, interval in rows[count:]]:
-        print(escape_invisible(f"  {'also ' if count else ''}{', '.join(further)}"))
     for line in last:
         print_line(line)
     if verbose:
@@ -441,14 +419,15 @@ def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
 
 
 def _print_details(result: "CalibrationResult") -> None:
-    """Print how readings were read, the candidates, the compared laws, and all warnings."""
     from ..report import calibration_words as words
 
-    fit = result.fit
+    fit, choice = result.fit, result.choice
     for line in (*fit.record.notes, *words.fit_data_lines(fit.fit_data)):
         print_line(line)
-    if result.choice is not None:
-        _print_choice(result.choice)
+    if choice is not None:
+        _print_candidates(choice)
+        for line in words.selection_reasons(choice):
+            print_line(line)
     if result.comparison is not None:
         heads = "law|fitted constants|rms error [N]|left-out error [N]|pull at clipped [N]|AIC|BIC"
         rows = []
@@ -467,24 +446,19 @@ def _print_details(result: "CalibrationResult") -> None:
             print_line(line)
 
 
-def _print_choice(choice: "fitting.Selection") -> None:
-    """Print the candidates, and the reasons for the selected one."""
-    from ..report.calibration_words import candidate_label, selection_reasons
+def _print_candidates(choice: "fitting.Selection") -> None:
+    from ..report.calibration_words import candidate_label
 
-    heads = ["fitted constants", "number", "rms error [%]", "cross-validated error [%]", ""]
-    for readings, group in {"pulling": "readings that pull", "all": "all readings"}.items():
-        rows = []
-        for candidate in (c for c in choice.candidates if c.readings == readings):
-            errors = (candidate.relative_rmse, candidate.relative_left_out_rmse)
-            texts = [f"{100 * error:.3g}" if math.isfinite(error) else "-" for error in errors]
-            label = textwrap.fill(candidate_label(candidate), _LABEL_WIDTH)
-            selected = "selected" if candidate.chosen else ""
-            rows.append([label, f"{candidate.constants}", *texts, selected])
-        if rows:
-            title = f"Candidates, fitted to {group}"
-            print_table(title, heads, rows, "errors over the largest force")
-    for line in selection_reasons(choice):
-        print_line(line)
+    heads = ["constants", "fitted to", "number", "rms error [%]", "cross-validated error [%]", ""]
+    rows = []
+    for candidate in choice.candidates:
+        errors = (candidate.relative_rmse, candidate.relative_left_out_rmse)
+        texts = [f"{100 * error:.3g}" if math.isfinite(error) else "-" for error in errors]
+        label = textwrap.fill(candidate_label(candidate), _LABEL_WIDTH)
+        selected = "selected" if candidate.chosen else ""
+        rows.append([label, candidate.readings, f"{candidate.constants}", *texts, selected])
+    caption = "fitted to: all readings, or those that are pulling; errors over the largest force"
+    print_table("Candidates", heads, rows, caption)
 
 
 COMMANDS = {"record": record, "convert": convert, "calibrate": calibrate}

@@ -105,7 +105,7 @@ def _compare_policies(study: "files.Scenario", outputs: Outputs, report: str | N
     if study.control is None:
         raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")
     from ..dynamics.audit import audit_run
-    from ..plot.trajectory import PolicyCosts, policies
+    from ..plot.trajectory import policies
     from ..report import simulation as pages
 
     runs: dict[str, Any] = {}
@@ -129,9 +129,8 @@ def _compare_policies(study: "files.Scenario", outputs: Outputs, report: str | N
     notes = [f"{note}." for note in pages.policy_notes(study, runs)]
 
     def figure() -> Any:
-        drawdowns, energies = zip(*((m.drawdown, m.supply_energy) for m in metrics), strict=True)
         pairs = {name: (run.run, run.tracking) for name, run in runs.items()}
-        return policies(study.plant, pairs, PolicyCosts([*drawdowns], [*energies], front))
+        return policies(study.plant, pairs, metrics, front)
 
     def print_policies() -> None:
         for note in notes:

@@ -8,8 +8,7 @@ from typing import Any
 class InvalidInputError(ValueError):
     """A value that breaks a rule: one line for people, fields for programs.
 
-    - `argument`: name of the argument.
-    - `rule`: broken rule, in words.
+    - `argument`: name of the argument; `rule`: broken rule, in words.
     - `value`: the value, the first bad one of an array, in the line's unit; or `None`.
     - `remedy`: what to do, in words; empty where the rule says it.
     """
@@ -17,11 +16,7 @@ class InvalidInputError(ValueError):
     def __init__(
         self, argument: str, rule: str, value: Any, remedy: str = "", shown: str | None = None
     ):
-        """**Arguments:**
-
-        - `argument`, `rule`, `value`, `remedy`: the fields.
-        - `shown`: text of the value with its unit; left out, as Python writes it; empty to omit it.
-        """
+        """`shown`: text of the value with its unit; default: as Python writes it; empty: none."""
         self.argument, self.rule, self.value, self.remedy = argument, rule, value, remedy
         if (value_text := shown) is None and value is not None:
             # a number without NumPy's name around it

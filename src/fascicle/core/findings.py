@@ -16,12 +16,8 @@ class Severity(IntEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that a computation noticed.
-
-    - `code`: its key in the catalogue of words, such as "gauge.force_zero"; a contract, as keys of
-      JSON are.
-    - `severity`: how much it matters.
-    - `data`: numbers [SI] and names, by name.
+    """Something that a computation noticed: its `code` in the catalogue of words, such as
+    "gauge.force_zero", a contract as keys of JSON are; and numbers [SI] and names in `data`.
     """
 
     code: str

@@ -66,18 +66,13 @@ SHARE = Transform(
 
 @dataclass(frozen=True)
 class Constant:
-    """Declaration of a law's constant: name, dimension, bounds, default and scale in fits; no
-    value.
+    """Declaration of a law's constant: `name` of the argument and of the key in files, `symbol` in
+    TeX, `dimension` of `units.DIMENSIONS`, what it is `about` and its `source`.
 
-    - `name`: of the argument and of the key in files.
-    - `symbol`: in TeX.
-    - `dimension`: a key of `units.DIMENSIONS`.
     - `bounds`: the least possible, the low and high ends of the usual, the largest possible [SI];
       a constant whose least one is positive must be positive.
     - `transform`: scale in fits; `None` for a constant that no fit moves.
     - `default`: value of a constant that is left out [SI]; `None` for a required one.
-    - `about`: meaning, in a few words.
-    - `source`: author and year.
     """
 
     name: str

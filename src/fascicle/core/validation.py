@@ -52,12 +52,13 @@ def check_interval(
     why: str = "",
     closed: tuple[bool, bool] = (False, False),
     remedy: str = "",
+    remedy_above: str = "",
 ) -> Batch:
     """Return `value` in SI as floats; refuse numbers outside the interval, and NaN.
 
     A traced value of JAX passes without a check. Low and high end are open or `closed`; they may be
     arrays, which broadcast against the value. `why` completes the rule in words: "to contract";
-    `remedy` says what to do.
+    `remedy` says what to do, `remedy_above` for a value above the high end.
     """
     value = to_si(value, name, unit)
     if not is_concrete(value):
@@ -72,8 +73,8 @@ def check_interval(
         rule = f"must lie in {_append_unit(interval, unit)} {why}".rstrip()
         if (low, high) == (0, math.inf) and not any(closed):
             rule = "must be positive and finite"
-        text = _append_unit(bad_text, unit)
-        raise InvalidInputError(name, rule, bad, remedy, shown=text)
+        remedy = remedy_above if remedy_above and bad > high else remedy
+        raise InvalidInputError(name, rule, bad, remedy, shown=_append_unit(bad_text, unit))
     return x[()]
 
 
@@ -146,11 +147,9 @@ def distinct_texts(bad: float, *limits: float) -> list[str]:
         _number_text(bad, digits) == _number_text(limit, digits) for limit in limits
     ):
         digits += 1
-    texts = [_number_text(bad, digits)]
-    for limit in limits:
-        is_short = float(_number_text(limit)) == limit  # six digits write it exactly
-        texts.append(_number_text(limit) if is_short else _number_text(limit, digits))
-    return texts
+    # six digits write many limits exactly
+    enough = (6 if float(_number_text(x)) == x else digits for x in limits)
+    return [_number_text(bad, digits), *map(_number_text, limits, enough)]
 
 
 def _append_unit(text: str, unit: str) -> str:
@@ -237,13 +236,8 @@ def check_gauge_pressure(value: Values, name: str = "pressure") -> Batch:
     """Return gauge pressures [Pa] as floats, in the array library of `value`, if they lie in 0 to
     1 MPa; warn of bare numbers that may be in bar.
     """
-    try:
-        pressure = check_interval(value, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
-    except InvalidInputError as error:
-        if isinstance(error.value, float) and error.value > HIGHEST_PRESSURE:
-            text = f"{distinct_texts(error.value, HIGHEST_PRESSURE)[0]} Pa"
-            raise InvalidInputError(name, error.rule, error.value, _HYDRAULIC, text) from None
-        raise
+    limits = (0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (True, True))
+    pressure = check_interval(value, *limits, remedy_above=_HYDRAULIC)
     highest = np.max(np.asarray(pressure), initial=0.0) if is_concrete(pressure) else 0.0
     # zeros, and ranges that begin so low, don't warn
     if 0 < highest < FAINT_PRESSURE and not has_units(value):

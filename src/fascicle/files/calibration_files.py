@@ -104,7 +104,7 @@ def provenance_of(
         "wider": [_rounded(x) for x in calibration.wider.tolist()],
         "undetermined": list(diagnosis.confounded),
         "rest_length": rest_length,
-        "fitted_length": exact(float(calibration.muscle.length), "length"),
+        "fitted_length": exact(float(calibration.muscle.length), "length"),  # not rounded
         "findings": [finding.code for finding in calibration_findings(calibration)],
         "warnings": list(warnings),
         "notes": list(record.notes),

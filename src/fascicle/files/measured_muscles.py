@@ -34,8 +34,8 @@ _CURVES, _POINTS = 5, 201  # more are hard to tell apart in a small picture; smo
 
 
 class FitError(NamedTuple):
-    """Error of a measured muscle's force: root mean square `rmse` [N], the same over the largest
-    force, `relative_rmse` [-], and the `largest` one over the largest force [-]; `None` if unknown.
+    """Error of a measured muscle's force: root mean square `rmse` [N], that and the `largest` error
+    over the largest force, `relative_rmse` and `largest` [-]; `None` if unknown.
     """
 
     rmse: float | None
@@ -81,10 +81,10 @@ class CatalogEntry:
     """A muscle that somebody measured.
 
     - `source`, `url`, `license`: citation and address of the numbers, and their license.
-    - `sizes`, `measured`: published sizes, and what was measured, in words.
+    - `sizes`, `measured`, `assumed`: published sizes, what was measured, and what the source does
+      not give, in words.
     - `basis`: "fit" to the record by fascicle, or constants "published" by the source.
-    - `assumed`: what the source does not give, a sentence each.
-    - `muscle`: the muscle. A fitted one has its active length, without the parts at the fittings.
+    - `muscle`: a fitted one has its active length, without the parts at the fittings.
     - `error`, `range`: error of its force, and the pressures and strains that were measured.
     - `rest_length`: reference of the source's contractions [m].
     - `record_file`: name of the file of readings, or `None`; `toml`: text of the muscle's file.

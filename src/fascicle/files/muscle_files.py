@@ -1,5 +1,6 @@
 """Muscle and bundle files: TOML to checked `Muscle` or `Bundle`, and back to the same bits."""
 
+import json
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -19,6 +20,7 @@ from ..muscle import Muscle, validation
 from ..muscle.law import AbstractLaw, Declared
 from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
+from ..muscle.printing import SIZES
 from ..muscle.tuning import Tuning
 from ..table_model import did_you_mean, location_message, validate, value_at
 from ..units import DIMENSIONS, exact, parse
@@ -27,9 +29,6 @@ from .schema import BundleSection, FileLocation
 
 
 _MAX_FILE_SIZE = 1_000_000  # bytes; a muscle takes 500
-# dimensions of a muscle's sizes
-_SIZES = dict.fromkeys(("length", "outer_radius", "wall_thickness"), "length")
-_SIZES |= {"braid_angle": "angle"}
 # numbers of a tuning with their dimensions, and the values that a file leaves out
 _TUNING = (
     ("youngs_modulus_factor", "number", 1),
@@ -71,46 +70,37 @@ def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Table `[calibration]` of a muscle file, with the entries of the calibration log it names;
     empty if it has none. Raises as `load`.
     """
-
-    def read_calibration(path: Path) -> dict[str, Any]:
-        data = read_file(path)
-        table = data.get(_CALIBRATION, {})
-        if not isinstance(table, dict):
-            raise FileLocation(str(path), data).error((_CALIBRATION,), "must be a table of keys.")
-        return table
-
-    path = Path(path)
-    table = read_calibration(path)
+    table, location = _read_calibration(path := Path(path))
     log = table.get("log", "")
     if not isinstance(log, str) or Path(log).name != log:
-        location = FileLocation(str(path), {_CALIBRATION: table})
-        raise location.error(
-            (_CALIBRATION, "log"), "must be the name of a file in the same folder."
-        )
+        raise location.error((_CALIBRATION, "log"), "must be the name of a file in its folder.")
     log_path = path.parent / log
-    return read_calibration(log_path) | table if log and log_path.is_file() else table
+    return _read_calibration(log_path)[0] | table if log and log_path.is_file() else table
+
+
+def _read_calibration(path: Path) -> tuple[dict[str, Any], FileLocation]:
+    data = read_file(path)
+    table, location = data.get(_CALIBRATION, {}), FileLocation(str(path), data)
+    if not isinstance(table, dict):
+        raise location.error((_CALIBRATION,), "must be a table of keys.")
+    return table, location
 
 
 def save(
     obj: Any, path: str | os.PathLike[str], calibration: Mapping[str, Any] | None = None
 ) -> None:
-    """Write a muscle file, completely or not at all; an existing file is replaced.
-
-    `obj`, `calibration`, `ValueError`: as of `dumps`; `OSError` if the file can't be written.
+    """Write the text of `dumps` to a file, completely or not at all; an existing file is replaced.
+    `OSError` if it can't be written.
     """
     write_text(path, dumps(obj, calibration))
 
 
 def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
-    """Text of a file, from which `loads` gives back every parameter to the bit.
+    """TOML of a `Muscle` or a `Bundle`, from which `loads` gives back every parameter to the bit;
+    `ValueError` for an object that a file can't describe.
 
-    **Arguments:**
-
-    - `obj`: a `Muscle` or a `Bundle`; `ValueError` for an object that a file can't describe.
-    - `calibration`: for `provenance`: text, numbers, booleans and lists of them by key, and one
-      level of tables or lists of tables. Default: of a fitted muscle, its fitted length.
-
-    **Returns:** the TOML.
+    `calibration`: for `provenance`: text, numbers, booleans, lists and tables of them by key.
+    Default: of a fitted muscle, its fitted length.
     """
     import tomlkit  # its import takes as long as reading a file
 
@@ -131,7 +121,7 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
 
 def _inline_table(values: Mapping[str, Any]) -> Any:
     """A table of a file on one line."""
-    import tomlkit  # as above
+    import tomlkit
 
     table = tomlkit.inline_table()
     table.update(values)
@@ -140,9 +130,16 @@ def _inline_table(values: Mapping[str, Any]) -> Any:
 
 def calibration_text(calibration: Mapping[str, Any]) -> str:
     """TOML of a `[calibration]`, with its tables last; see `dumps` for its contents."""
-    import tomlkit  # as above
+    import tomlkit
 
-    table = {key: _plain_entry(value, key) for key, value in calibration.items()}
+    def plain(value: Any) -> Any:
+        """NumPy's and JAX's scalars and arrays in Python's types."""
+        if not hasattr(value, "tolist"):
+            rule = "takes text, numbers, booleans, lists and tables"
+            raise InvalidInputError(_CALIBRATION, rule, value, shown=f"a {type(value).__name__}")
+        return value.tolist()
+
+    table = json.loads(json.dumps(dict(calibration), default=plain))
     if "intervals_of" in table:  # so that the muscle's file stays short
         table["intervals_of"] = _inline_table(table["intervals_of"])
     return tomlkit.dumps({_CALIBRATION: table})
@@ -174,11 +171,9 @@ def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> 
     """
     schema.check_kind(data, "muscle or bundle", source)
     sections, units = data.get("muscle"), value_at(data, ("bundle", "motor_unit"))
-    names_all = (
-        isinstance(units, list) and bool(units) and all(value_at(x, ["muscle"]) for x in units)
-    )
-    if sections is None and names_all:
-        data = data | {"muscle": {}}
+    if sections is None:
+        if isinstance(units, list) and units and all(value_at(x, ["muscle"]) for x in units):
+            data = data | {"muscle": {}}  # each unit names its own
     elif isinstance(sections, str | dict) and not _are_named(sections):
         data = data | {"muscle": {"": sections}}
     file = validate(schema.MuscleFile, data, source)
@@ -202,14 +197,10 @@ def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> 
 
 def _are_named(sections: str | dict[str, Any]) -> bool:
     """True for several muscles by name, false for a single one's name or table."""
-    return (
-        isinstance(sections, dict)
-        and bool(sections)
-        and all(
-            isinstance(section, str | dict) and name not in schema.MuscleSection.model_fields
-            for name, section in sections.items()
-        )
-    )
+    if isinstance(sections, str) or not sections:
+        return False
+    kinds = all(isinstance(section, str | dict) for section in sections.values())
+    return kinds and sections.keys().isdisjoint(schema.MuscleSection.model_fields)
 
 
 def _named_muscle(name: str, location: FileLocation, folder: Path | None) -> Muscle:
@@ -310,10 +301,7 @@ def _tuning(section: schema.TuningSection, location: FileLocation) -> Tuning:
 
 
 def _bundle(
-    section: BundleSection,
-    muscles: dict[str, Muscle],
-    location: FileLocation,
-    folder: Path | None,
+    section: BundleSection, muscles: dict[str, Muscle], location: FileLocation, folder: Path | None
 ) -> Bundle:
     units, default, tables = [], next(iter(muscles), ""), list(muscles)
     for index, unit in enumerate(section.motor_unit):
@@ -343,7 +331,7 @@ def _muscle_table(muscle: Muscle) -> dict[str, Any]:
         raise InvalidInputError("material", "can be saved if it is a MooneyRivlin", material)
     names = (name for name, named in MATERIALS.items() if material == named)
     table: dict[str, Any] = {
-        name: _entry(getattr(muscle, name), kind, name) for name, kind in _SIZES.items()
+        name: _entry(getattr(muscle, name), kind, name) for name, kind in SIZES.items()
     }
     table["material"] = next(names, None) or _constants(material)
     for kind in LAWS:
@@ -431,19 +419,3 @@ def _scalar(value: Any, key: str) -> float:
         rule, remedy = f"has the shape {np.shape(value)}", "a file describes one muscle, save each"
         raise InvalidInputError(key, rule, None, remedy)
     return float(value)
-
-
-def _plain_entry(value: Any, key: str, depth: int = 0) -> Any:
-    """A value of a `[calibration]` to be saved, in Python's types instead of NumPy's and JAX's."""
-    if hasattr(value, "tolist"):  # NumPy's and JAX's scalars and arrays
-        value = value.tolist()
-    if isinstance(value, Mapping) and depth == 0:
-        return {name: _plain_entry(entry, name, 1) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        tables = depth == 0 and all(isinstance(entry, Mapping) for entry in value)
-        return [_plain_entry(entry, key, 0 if tables else 1) for entry in value]
-    if isinstance(value, bool | str | int | float):
-        return value
-    rule = "takes text, numbers, booleans, lists and one level of tables"
-    kind = type(value).__name__
-    raise InvalidInputError(_CALIBRATION, rule, (kind, key), shown=f"a {kind} for {key!r}")

@@ -57,24 +57,20 @@ class ScenarioControl(NamedTuple):
         """The controller's warnings, as sentences."""
         return tuple(f"{warning}." for warning in self.controller.warnings)
 
-    def with_policy(
-        self, policy: str | None = None, compensate: bool | None = None
-    ) -> "ScenarioControl":
-        """Change the policy, or the feedforward of friction, as `Scenario.with_policy`."""
-        from ..control import cascade, crossings_on_reference
 
-        if policy is None and compensate is None:
-            return self
-        policy, options = policy or self.policy, self.options
-        if compensate is not None:
-            options = {**options, "compensate": compensate}
-        plant, output, obstacle = self.controller.plant, self.controller.of, None
-        if policy == "hand_over":
-            dt, delay = options["dt"], options.get("delay", 0.0)
-            crossings = crossings_on_reference(plant, self.reference, dt, output, delay)
-            obstacle = next((each.obstacle for each in crossings if not each.is_resolved), None)
-        controller = cascade(plant, "threshold" if obstacle else policy, output, **options)
-        return ScenarioControl(controller, self.reference, policy, options, obstacle)
+def _controlled(
+    plant: Plant, output: str, reference: np.ndarray, policy: str, options: Mapping[str, Any]
+) -> ScenarioControl:
+    """Control of an `output` by a controller with a `plant` as its model."""
+    from ..control import cascade, crossings_on_reference
+
+    obstacle = None
+    if policy == "hand_over":
+        dt, delay = options["dt"], options.get("delay", 0.0)
+        crossings = crossings_on_reference(plant, reference, dt, output, delay)
+        obstacle = next((each.obstacle for each in crossings if not each.is_resolved), None)
+    controller = cascade(plant, "threshold" if obstacle else policy, output, **options)
+    return ScenarioControl(controller, reference, policy, options, obstacle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +103,13 @@ class Scenario:
             rule = "needs a scenario with [control]: this one is commanded by a schedule"
             name = "compensate" if policy is None else "policy"
             raise InvalidInputError(name, rule, policy, shown="")
-        control = self.control.with_policy(policy, compensate)
+        if policy is None and compensate is None:
+            return self
+        controller, reference, own_policy, options, _ = self.control
+        if compensate is not None:
+            options = {**options, "compensate": compensate}
+        policy = policy or own_policy
+        control = _controlled(controller.plant, controller.of, reference, policy, options)
         return replace(self, control=control, notes=control.notes)
 
     def run(self) -> Trajectory:
@@ -195,8 +197,8 @@ def scenario_from_dict(
 
 
 def _first_pressures(plant: Plant, control: ScenarioControl | None) -> Any:
-    """Pressures [Pa] at the start: those that meet a controller's first demand at rest, so that no
-    run shows a transient of its own; zero of a schedule, of a joint and of a force on a free load.
+    """Pressures [Pa] at the start: those that meet a controller's first demand at rest; zero of a
+    schedule, of a joint and of a force on a free load.
     """
     if control is None or len(plant.bundles) > 1:
         return 0.0
@@ -209,8 +211,8 @@ def _first_pressures(plant: Plant, control: ScenarioControl | None) -> Any:
 def _with_measured_friction(
     data: dict[str, Any], root: FileLocation, folder: Path | None
 ) -> dict[str, Any]:
-    """A scenario's tables, with a calibration's springs in place of `kind = "measured"`, for each
-    of its muscles; without `[hysteresis]` if the calibration found none.
+    """A scenario's tables, with a calibration's springs in place of `kind = "measured"`; without
+    `[hysteresis]` if the calibration found none.
     """
     table = data.get("hysteresis")
     if not isinstance(table, dict) or table.get("kind") != "measured":
@@ -264,7 +266,7 @@ def _named_bundles(
     names: Any, location: FileLocation, rule: str, folder: Path | None
 ) -> list[Bundle]:
     """Bundles by names of examples or files; `rule`: of an error, if they aren't names."""
-    names = list(names) if isinstance(names, list) else [names]
+    names = names if isinstance(names, list) else [names]
     if not names or not all(isinstance(name, str) for name in names):
         raise location.error((), rule)
     with location.error_context():
@@ -420,7 +422,7 @@ def _control(
     file: Any, plant: Plant, dt: float, duration: float, root: FileLocation
 ) -> ScenarioControl:
     """Controller with a `plant` as its model."""
-    from ..control import Gains, cascade
+    from ..control import Gains
 
     output, reference = _reference(file, dt, duration, root)
     values = file.control.model_dump(exclude_none=True, exclude={"policy", "model"})
@@ -433,11 +435,14 @@ def _control(
         1 / values.pop("force_integral_time", 1 / default.force_integral),
         values.pop("pressure_time", default.pressure_time),
     )
-    options = {"gains": gains, "dt": dt, **values}
-    with root.child("control", kind="part").error_context():
-        controller = cascade(plant, "orderly", output, **options)
-        control = ScenarioControl(controller, reference, "orderly", options)
-        return control.with_policy(file.control.policy)
+    arguments = (
+        plant,
+        output,
+        reference,
+        file.control.policy,
+        {"gains": gains, "dt": dt, **values},
+    )
+    return root.child("control", kind="part").call(_controlled, *arguments)
 
 
 def _reference(file: Any, dt: float, duration: float, root: FileLocation) -> tuple[str, np.ndarray]:

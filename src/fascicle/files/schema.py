@@ -7,6 +7,7 @@ argument's name, which a `FileLocation` turns into path, key, value and rule. A 
 
 import contextlib
 import re
+import reprlib
 from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, NamedTuple, ParamSpec, TypeVar
 
@@ -237,9 +238,7 @@ class Price(NamedTuple):
     currency: str
 
 
-_PRICE = re.compile(
-    r"\s*([€$£¥])?\s*(\d+\.?\d*|\.\d+)\s*([^\W\d_]{1,6}|[€$£¥])?\s*(?:(?:/|\bper\b)\s*(\S.*?))?\s*"
-)
+_PRICE = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([^\W\d_]{1,6}|[€$£¥])\s*(?:/\s*(\S.*?))?\s*")
 _MAX_PRICE = 1e9  # of a currency: more is a slip
 _MAX_BLOCK = 2**20  # designs: their arrays still fit into memory
 _MAX_DRAWS = 100_000  # of a design: an hour
@@ -250,28 +249,15 @@ def parse_price(text: Any, name: str, dimension: str | None = None) -> Price:
     """Parse a price, such as "95 EUR" of a piece, or "0.025 EUR/m^3" by a unit of `dimension`;
     `ValueError`, in one line about the key `name`, for another text.
     """
-    value = repr(text)
-    value = value if len(value) <= 60 else f"{value[:40]}…{value[-1]}"
-    rule = f'`{name}` must be a price, such as "95 EUR{_PRICED[dimension]}", got {value}'
-    if not isinstance(text, str) or len(text) > 60 or not (match := _PRICE.fullmatch(text)):
-        raise ValueError(f"{rule}.")
-    sign, digits, code, unit = match.groups()
-    if bool(sign) == bool(code):
-        raise ValueError(f"{rule}: write one currency.")
-    if bool(unit) != (dimension is not None):
-        remedy = "add the unit." if dimension else "it is the price of one, drop the unit."
-        raise ValueError(f"{rule}: {remedy}")
-    amount, size = float(digits), 1.0
-    if amount > _MAX_PRICE:
-        raise ValueError(f"{rule}: it must lie in [0, {_MAX_PRICE:g}].")
-    if dimension is not None:
-        # a normal cubic meter is often written Nm³
-        plain = re.sub(r"^N?m(\^?3|³)$", "m^3", unit)
-        try:
-            size = parse(f"1 {plain}", dimension, name)
-        except ValueError:
-            raise ValueError(f"{rule}: {unit!r} is no unit of {dimension}.") from None
-    return Price(amount / size, sign or code)
+    match = _PRICE.fullmatch(text) if isinstance(text, str) and len(text) <= 60 else None
+    if match is None or bool(match[3]) != bool(dimension) or float(match[1]) > _MAX_PRICE:
+        rule = f'must be a price, such as "95 EUR{_PRICED[dimension]}"'
+        raise InvalidInputError(name, rule, text, shown=reprlib.repr(text))
+    amount, currency, unit = match.groups()
+    # a normal cubic meter is often written Nm³
+    plain = re.sub(r"^N?m(\^?3|³)$", "m^3", unit or "")
+    size = parse(f"1 {plain}", dimension, name) if dimension else 1.0
+    return Price(float(amount) / size, currency)
 
 
 def _price_parser(dimension: str | None) -> BeforeValidator:

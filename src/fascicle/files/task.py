@@ -6,7 +6,7 @@ laws and sizes that it doesn't give are those of a muscle. In one length it beco
 
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -57,7 +57,7 @@ _MAX_VALUES = (
 
 class Offer(NamedTuple):
     """Muscles on sale by name, the `products` they are, the `currency` of their prices ("" if none
-    has one), and `notes` on products that aren't available.
+    has one), and `notes` on them.
     """
 
     drawings: dict[str, Muscle]
@@ -102,9 +102,9 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     task = _task(file.task, root.child("task"))
     limits_location = root.child("limits", kind="limits")
     limit_entries = dict(file.limits or {})
-    rule = 'must be a share of the draws above 0 and below 1, such as "95 %".'
     safety = limit_entries.pop(_SAFETY, USUAL_SHARE)
-    probability = _fraction(safety, lambda x: 0 < x < 1, limits_location, (_SAFETY,), rule)
+    remedy = 'write a share of the draws, such as "95 %"'
+    probability = limits_location.call(_share, safety, _SAFETY, 1.0, remedy, closed=False)
     limits, least_margin = _limits(limit_entries, limits_location)
     senses = _senses(file.objectives, root.child("objectives", kind="objectives"))
     reached = objectives.with_reach_limits(limits)
@@ -165,9 +165,8 @@ def _task(section: schema.TaskSection, location: FileLocation) -> Task:
     values: dict[str, Any] = section.model_dump(exclude_none=True)
     supply = values.pop("supply_pressure")
     if section.example is not None:
-        key = next((key for key in values if key not in ("example", "scheme", "fluid")), None)
-        if key is not None:
-            raise location.error((key,), "an example has its own, drop this key or `example`.")
+        if keys := values.keys() - {"example", "scheme", "fluid"}:
+            raise location.error((min(keys),), "an example has its own: drop this key.")
         with location.error_context():
             task = example_task(section.example, supply)
             scheme = scheme_of(section.scheme or task.scheme)
@@ -205,20 +204,20 @@ def _senses(section: Mapping[str, str] | None, location: FileLocation) -> dict[s
 def _limits(section: Mapping[str, Any], location: FileLocation) -> tuple[dict[str, Limit], float]:
     """Limits by objective, and the relative margin below which a design has a warning."""
     limits, least_margin = {}, LEAST_MARGIN
+    remedy = 'write a share, such as "20 %"; a limit is margin = { at_least = "50 N" }'
     for name, entry in section.items():
         location.call(check_objectives, [name])
-        is_table, ends = isinstance(entry, dict), {}
-        if not is_table and name != "margin":
-            raise location.error((name,), "must be a table: write { at_most = … }.")
-        if entry == {}:
+        if not isinstance(entry, dict):
+            if name != "margin":
+                raise location.error((name,), "must be a table: write { at_most = … }.")
+            least_margin = location.call(_share, entry, name, 10.0, remedy)
+            continue
+        if not entry:
             raise location.error((name,), "empty: write { at_most = … } or { at_least = … }.")
-        # a margin without a table is that of the warning
-        for key, text in (entry if is_table else {_WARNING: entry}).items():
+        ends = {}
+        for key, text in entry.items():
             if name == "margin" and key == _WARNING:
-                rule = 'must be a share in [0, 10], such as "20 %"; a limit is'
-                rule += ' margin = { at_least = "50 N" }.'
-                keys = (name, key) if is_table else (name,)
-                least_margin = _fraction(text, lambda x: 0 <= x <= 10, location, keys, rule)
+                least_margin = location.child(name).call(_share, text, key, 10.0, remedy)
                 continue
             if key not in _BOUNDS:
                 raise location.error((name, key), "unknown key: write at_least or at_most.")
@@ -275,17 +274,10 @@ def _drawing(name: str, section: DesignSection, location: FileLocation, folder: 
         return muscle
 
 
-def _fraction(
-    entry: Any, holds: Callable[[float], bool], location: FileLocation, keys: tuple, rule: str
-) -> float:
-    """A share [-] for which `holds` is true; else an error with the `rule`."""
-    try:
-        value = parse(entry, "number")
-    except ValueError:
-        value = np.nan
-    if not holds(value):
-        raise location.error(keys, rule)
-    return value
+def _share(entry: Any, name: str, most: float, remedy: str, closed: bool = True) -> float:
+    """A share [-] between 0 and `most`, both of which it can be if `closed`."""
+    value, ends = parse(entry, "number", name), (closed, closed)
+    return float(check_interval(value, 0.0, most, name, "-", closed=ends, remedy=remedy))
 
 
 def _uncertainty(
@@ -372,21 +364,14 @@ def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offe
         catalog = FileLocation(source, data, ("product",), "catalog")
     if not products:
         raise catalog.error((), "holds no product.")
-
-    def base(product: ProductSection, product_location: FileLocation) -> Muscle:
-        """The muscle that gives a product its material and laws."""
-        if product.muscle is None:
-            return _drawing(section.muscle[0], section, location, folder)
-        return _drawing(product.muscle, section, product_location, folder)
-
-    return _build_offer(products, catalog, section, base)
+    return _build_offer(products, catalog, section, folder)
 
 
 def _build_offer(
     products_on_sale: Sequence[ProductSection],
     catalog: FileLocation,
     design: DesignSection,
-    base_of: Callable[[ProductSection, FileLocation], Muscle],
+    folder: Path,
 ) -> Offer:
     drawings: dict[str, Muscle] = {}
     products: dict[str, Product] = {}
@@ -395,7 +380,7 @@ def _build_offer(
     borrowed: dict[str, list[str]] = {}  # products by what they take from a base
     for i, section in enumerate(products_on_sale):
         location, base_name = catalog.child(i, kind="catalog"), section.muscle or design.muscle[0]
-        base = base_of(section, location)
+        base = _drawing(base_name, design, location, folder)
         candidates = section.length or design.length or (float(base.length),)
         low, high = section.least_length or 0.0, section.most_length or float("inf")
         if low > high:
@@ -454,11 +439,10 @@ def _product_muscle(section: ProductSection, base: Muscle, base_name: str, lengt
         rule = ", outer_diameter or inner_diameter is needed"
         remedy = f"give one of them, got {' and '.join(sizes) or 'none'}"
         raise InvalidInputError("outer_radius", rule, None, remedy)
-    if section.inner_diameter is not None:
-        inner = 0.5 * section.inner_diameter
-        radius = inner / (1 - ratio) if wall is None else inner + wall
-    else:
-        radius = section.outer_radius or 0.5 * (section.outer_diameter or 0.0)
+    size = getattr(section, sizes[0])
+    radius = size if sizes[0] == "outer_radius" else size / 2
+    if sizes[0] == "inner_diameter":
+        radius = radius / (1 - ratio) if wall is None else radius + wall
     wall = ratio * radius if wall is None else wall
     angle = float(base.braid_angle) if section.braid_angle is None else section.braid_angle
     return base.replace(length=length, outer_radius=radius, wall_thickness=wall, braid_angle=angle)

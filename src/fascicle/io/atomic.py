@@ -2,21 +2,17 @@
 
 The content is written into a hidden draft folder beside the target, flushed to the disk, and moved
 to the target in one step; an error before that leaves an existing file untouched. A file that
-appears at the target meanwhile stays, unless it may be overwritten. Drafts of killed runs are
-found by their name and age, and removed by later ones.
+appears at the target meanwhile stays, unless it may be overwritten.
 """
 
 import contextlib
 import os
 import secrets
 import shutil
-import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 
-_DRAFT, _DRAFT_END = ".fascicle-", ".draft"  # of a hidden folder's name
-_ABANDONED = 24 * 3600.0  # s after the last change to a draft: no writer pauses for so long
 _BROWSER_FILES = {"Thumbs.db", "desktop.ini"}  # that file browsers add, as hidden files
 
 
@@ -72,8 +68,7 @@ def open_draft(target: Path) -> Iterator[Path]:
     """Context of a path of the target's name in a hidden folder beside the `target`, which is
     removed at the end.
     """
-    _remove_abandoned(target.parent)
-    folder = target.parent / f"{_DRAFT}{secrets.token_hex(4)}{_DRAFT_END}"
+    folder = target.parent / f".fascicle-{secrets.token_hex(4)}.draft"
     folder.mkdir()
     try:
         yield folder / target.name
@@ -100,14 +95,11 @@ def check_writable(path: str | os.PathLike[str], folder: bool = False) -> Path:
     return target
 
 
-def check_overwrite(
-    path: str | os.PathLike[str], overwrite: bool = False, flag: str = "--overwrite"
-) -> None:
-    """Raise `FileExistsError`, one line with the option `flag`, for an existing file, unless
-    `overwrite` is true.
-    """
+def check_overwrite(path: str | os.PathLike[str], overwrite: bool = False) -> None:
+    """Raise `FileExistsError`, one line, for an existing file, unless `overwrite` is true."""
     if not overwrite and Path(path).exists():
-        raise FileExistsError(f"{os.fspath(path)}: already exists; use {flag} to overwrite it.")
+        name = os.fspath(path)
+        raise FileExistsError(f"{name}: already exists; use --overwrite to overwrite it.")
 
 
 def check_folder(path: str | os.PathLike[str], overwrite: bool = False) -> Path:
@@ -131,10 +123,9 @@ def check_folder(path: str | os.PathLike[str], overwrite: bool = False) -> Path:
 def write_folder(
     path: str | os.PathLike[str], fill: Callable[[Path], object], overwrite: bool = False
 ) -> list[str]:
-    """Let `fill` write the files of a folder into an empty one, and move them to `path` once all
-    are complete. A new folder appears in one step. In an existing one each file is replaced in one
-    step, and files of other names stay. Returns the names of the files, sorted. Raises as
-    `check_folder`.
+    """Let `fill` write the files of a folder into an empty one, move them to `path` once all are
+    complete, and return their names, sorted. A new folder appears in one step; in an existing one
+    files of other names stay. Raises as `check_folder`.
     """
     target = draft = check_folder(path, overwrite)
     try:
@@ -187,14 +178,6 @@ def _flush(path: Path) -> None:
         if file.is_file():
             with file.open("rb+") as handle:
                 os.fsync(handle.fileno())
-
-
-def _remove_abandoned(parent: Path) -> None:
-    """Remove the drafts of killed runs in a folder."""
-    for folder in parent.glob(f"{_DRAFT}*{_DRAFT_END}"):
-        with contextlib.suppress(OSError):
-            if time.time() - folder.stat().st_mtime > _ABANDONED:
-                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _obstacle(target: Path, folder: bool) -> str:

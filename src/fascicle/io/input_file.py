@@ -17,8 +17,7 @@ _KINDS = {stat.S_IFIFO: "named pipe", stat.S_IFSOCK: "socket"}
 _PARTS = 64  # parts of a key; files of this format have five
 # tomllib takes time and memory that grow with the square of a key's parts: 64 kB took 40 s and 4 GB
 _DEEP_KEY = re.compile(
-    rf"""(?<![\w"'-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{_PARTS}}}""",
-    re.ASCII,
+    rf"""(?<![\w"'-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{_PARTS}}}""", re.ASCII
 )
 _INTEGER_LIMIT = 2**63  # integers of TOML have 64 bits
 

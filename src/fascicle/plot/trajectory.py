@@ -15,6 +15,7 @@ from .theme import BLACK, CYCLE, DOUBLE, GRAY, VERMILION, styled
 
 
 if TYPE_CHECKING:
+    from ..control import ControlMetrics
     from ..dynamics import Balance, Plant, Trajectory
 
 _OPEN = 1e-3  # of a valve, from which on it counts as open
@@ -38,16 +39,6 @@ class Tracking(NamedTuple):
     reachable: np.ndarray
 
 
-class PolicyCosts(NamedTuple):
-    """Costs of each policy's run: `drawdown` [SI], `energy` from the supply [J], and its membership
-    in the `front` of both.
-    """
-
-    drawdown: Sequence[float]
-    energy: Sequence[float]
-    front: Sequence[bool]
-
-
 @styled
 def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) -> Figure:
     """Figure of a run's position, pressures, forces and valves, below demand and error if given."""
@@ -65,11 +56,10 @@ def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) 
         for unit in range(plant.units):
             # the later the thinner, so that curves on top of one another can be told apart
             width = 1.0 + 1.2 * (plant.units - 1 - unit) / max(plant.units - 1, 1)
-            color = CYCLE[unit % len(CYCLE)]
-            _draw_line(ax, run, values[:, unit], color, f"unit {unit + 1}", linewidth=width)
+            ax.plot(run.time, values[:, unit], color=CYCLE[unit % len(CYCLE)], linewidth=width)
         ax.axhline(0, **_ZERO)
     supply = np.asarray(run.outputs.supply_pressure) / 1e3
-    _draw_line(pressure, run, supply, BLACK, "supply", linestyle=_DASHED)
+    pressure.plot(run.time, supply, color=BLACK, linestyle=_DASHED)
     pressure.set_ylabel("Pressure P [kPa]")
     force.set_ylabel("Force F [N]")
     _draw_valves(valves, run)
@@ -98,16 +88,10 @@ def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) 
     return figure
 
 
-def _draw_line(
-    ax: Axes, run: "Trajectory", values: np.ndarray, color: str, label: str, **style: Any
-) -> None:
-    ax.plot(np.asarray(run.time), values, color=color, label=label, **style)
-
-
 def _draw_position(ax: Axes, plant: "Plant", run: "Trajectory") -> None:
     factor, unit = display_unit(plant, "position")
     q = factor * np.asarray(run.outputs.position)
-    _draw_line(ax, run, q, BLACK, "position")
+    ax.plot(run.time, q, color=BLACK)
     ax.axhline(q[0], color=GRAY, linewidth=0.8, linestyle=_DOTTED)
     offset: dict[str, Any] = {"xytext": (3, 0), "textcoords": "offset points", "va": "center"}
     ax.annotate("start", (1, q[0]), xycoords=("axes fraction", "data"), color=GRAY, **offset)
@@ -149,11 +133,12 @@ def _draw_tracking(
     """Draw demand and output of a `run` onto `ax`, and output less demand onto `error`."""
     factor, unit = display_unit(plant, tracking.quantity)
     target, output = factor * tracking.demand, factor * tracking.output
-    _draw_line(ax, run, output, theme.BLUE, "done")
-    _draw_line(ax, run, np.append(target, target[-1]), BLACK, "demanded", linestyle=_DASHED)
+    demand = np.append(target, target[-1])
+    ax.plot(run.time, output, color=theme.BLUE, label="done")
+    ax.plot(run.time, demand, color=BLACK, label="demanded", linestyle=_DASHED)
     # an unreachable demand has no error
     difference = np.append(0.0, np.where(tracking.reachable, output[1:] - target, np.nan))
-    _draw_line(error, run, difference, VERMILION, "error")
+    error.plot(run.time, difference, color=VERMILION)
     error.axhline(0, **_ZERO)
     edges = np.flatnonzero(np.diff(np.r_[True, tracking.reachable, True]))
     label: str | None = "can't be reached"
@@ -178,19 +163,22 @@ def display_unit(plant: "Plant", quantity: str) -> tuple[float, str]:
 
 @styled
 def policies(
-    plant: "Plant", runs: Mapping[str, tuple["Trajectory", Tracking]], costs: PolicyCosts
+    plant: "Plant",
+    runs: Mapping[str, tuple["Trajectory", Tracking]],
+    metrics: Sequence["ControlMetrics"],
+    best: Sequence[bool],
 ) -> Figure:
-    """Figure of the front of drawdown against energy, and of all policies' errors over time;
-    `runs` by policy, and the `costs` of each [SI].
+    """Figure of the front of drawdown against energy, and of all policies' errors over time: `runs`
+    by policy, the `metrics` of each [SI], and whether it is on the front.
     """
     # one panel below the other: names need room
     figure, axes = theme.new_figure(2, 1, DOUBLE, 0.75 * DOUBLE, height_ratios=[1.2, 1.0])
     front, error = axes[:, 0]
     quantity = next(iter(runs.values()))[1].quantity
     factor, unit = display_unit(plant, quantity)
-    drawdowns, energies = factor * np.asarray(costs.drawdown), np.asarray(costs.energy)
-    best = np.asarray(costs.front)
-    order = np.flatnonzero(best)[np.argsort(energies[best])]
+    drawdowns = np.array([factor * x.drawdown for x in metrics])
+    energies = np.array([x.supply_energy for x in metrics])
+    order = np.flatnonzero(best)[np.argsort(energies[np.asarray(best)])]
     style: dict[str, Any] = {"color": GRAY, "linewidth": 0.8, "zorder": 1, "label": "front"}
     front.step(energies[order], drawdowns[order], where="post", **style)
     for k, (name, (run, tracking)) in enumerate(runs.items()):

@@ -23,12 +23,7 @@ if TYPE_CHECKING:
 
 _TEMPLATES = Path(__file__).with_name("templates")
 _MILLIMETERS = 25.4 * 1.35  # of an inch in print: a screen is read from further away than a page
-_MEDIA = {
-    "svg": "image/svg+xml",
-    "png": "image/png",
-    "csv": "text/csv",
-    "json": "application/json",
-}
+_MEDIA = {"svg": "image/svg+xml", "png": "image/png", "csv": "text/csv", "json": "application/json"}
 _VERDICTS = {
     "holds": ("holds", "✓"),
     "chosen": ("chosen", "←"),
@@ -62,11 +57,6 @@ def render(template: str, folder: Path = _TEMPLATES, **values: Any) -> str:
         "body": "",
     }
     return escape_invisible(_environment(folder).get_template(template).render(frame | values))
-
-
-def fill(template: str, **values: Any) -> Markup:
-    """Fill a `template` of a fragment, such as a picture, for a page."""
-    return Markup(_environment(_TEMPLATES).get_template(template).render(values))  # noqa: S704 escaped
 
 
 @cache

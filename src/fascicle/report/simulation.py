@@ -48,11 +48,7 @@ class PolicyRun(NamedTuple):
 
 
 def report(
-    scenario: "Scenario",
-    run: "Trajectory",
-    audit: "Audit | None",
-    doubts: Sequence[str],
-    date: str,
+    scenario: "Scenario", run: "Trajectory", audit: "Audit | None", doubts: Sequence[str], date: str
 ) -> str:
     """Page of a scenario's `run` [SI], as HTML: with its balances in `audit`, if its chamber has
     some, `doubts`, reasons not to trust it, and the `date` of the day, such as "2026-05-04".
@@ -151,20 +147,19 @@ def control_text(scenario: "Scenario") -> str:
         return f"No control: valves follow a schedule of {number} command{'s' * (number != 1)}"
     controller, is_rotation = controlled.controller, plant.load.unit == "rad"
     gains, prefix = controller.gains, "angular_" if is_rotation else ""
-    names = ("moment", "joint angle") if is_rotation else ("force", "contraction")
-    quantity = dict(zip(("force", "position"), names, strict=True))[controller.of]
+    quantity = "moment" if is_rotation else "force"
     values = {
         "force_gain": format_digits(float(gains.force)),
         "force_integral_time": _time_text(float(gains.force_integral)),
-        "pressure_time": pretty(float(gains.pressure_time), "time"),
     }
     if controller.of == "position":
+        quantity = "joint angle" if is_rotation else "contraction"
         values = {
             "position_gain": pretty(float(gains.position), f"{prefix}stiffness"),
             "integral_time": _time_text(float(gains.integral) / (float(gains.position) or 1.0)),
             "velocity_gain": pretty(float(gains.velocity), f"{prefix}damping"),
-            "pressure_time": values["pressure_time"],
         }
+    values["pressure_time"] = pretty(float(gains.pressure_time), "time")
     texts = ", ".join(f"{key} {text}" for key, text in values.items())
     return f"Control of {quantity} by {controlled.policy} ({texts})"
 

@@ -167,18 +167,3 @@ def check_result_path(path: str | os.PathLike[str]) -> Path:
 def is_zarr(path: Path) -> bool:
     """True for the folder of a zarr group or array, and for a file that describes one."""
     return path.name in _ZARR_FILES or any((path / file).exists() for file in _ZARR_FILES)
-
-
-def read(path: str | os.PathLike[str]) -> "xarray.Dataset":
-    """Dataset, in memory, that `write` wrote as netCDF or zarr; `ValueError` for another suffix."""
-    import xarray
-
-    engines: dict[str, Any] = {
-        ".nc": {"engine": "netcdf4"},
-        ".zarr": {"engine": "zarr", "consolidated": False},
-    }
-    suffix = Path(path).suffix.lower()
-    if suffix not in engines:
-        raise ValueError(f"{os.fspath(path)!r}: only .nc and .zarr can be read back.")
-    with xarray.open_dataset(path, **engines[suffix]) as stored:
-        return stored.load()

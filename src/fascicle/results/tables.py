@@ -274,10 +274,9 @@ def simulated(
     controller: "Cascade | None" = None,
     reference: Any = None,
 ) -> Table:
-    """A run in time, a step a row, its events, and with an `audit` the remainder of each balance.
-
-    `run`: one run of the `plant`, not a batch. With a `controller`, from `control.cascade`, and the
-    `reference`, its demand at each step [SI], the table has the control metrics, too.
+    """A `run` of a `plant` in time, a step a row, its events, with an `audit` the remainder of each
+    balance, and with a `controller` and its `reference`, the demand at each step [SI], the control
+    metrics.
     """
     from ..dynamics import events
     from ..dynamics.outputs import LEDGER, STATUS, STORES
@@ -335,10 +334,8 @@ def policy_table(
     metrics: list["ControlMetrics"],
     is_trusted: Sequence[bool],
 ) -> Table:
-    """Control metrics of policies, a row each, with the front of drawdown against supply energy.
-
-    `controllers`: by policy; `metrics`: of each one's run; `is_trusted`: true if its audit gives no
-    reason to doubt it.
+    """Control metrics of policies, a row each, with the front of drawdown against supply energy:
+    `controllers` by policy, and of each one's run the `metrics` and whether its audit trusts it.
     """
     from ..control import pareto_front
 
@@ -384,6 +381,7 @@ def _metric_variables(
 
 
 def _output_units(controller: "Cascade") -> dict[str, str]:
+    """Units of a `_METRICS`' "output" and "force"."""
     unit = controller.plant.load.unit
     force = "N·m" if unit == "rad" else "N"
     return {"output": unit if controller.of == "position" else force, "force": force}
@@ -407,9 +405,9 @@ def front_variables(result: "SearchResult") -> dict[str, Variable]:
     if result.safety is not None:
         spread, about = result.safety.spread, "share of draws that meet the task and all limits"
         rows.append(("probability", "design", spread.probability, "-", about))
-        for fraction in (0.05, 0.5, 0.95):
-            prefix, suffix = f"{100 * fraction:g} % quantile of: ", f"_q{100 * fraction:02.0f}"
-            rows += _objectives(spread.quantile(fraction), prefix, suffix)
+        for percent in (5, 50, 95):
+            texts = f"{percent} % quantile of: ", f"_q{percent:02}"
+            rows += _objectives(spread.quantile(percent / 100), *texts)
     return build_table(*rows) | design_variables(result.designs)
 
 
@@ -476,5 +474,4 @@ def _objectives(values: dict[str, np.ndarray], prefix: str = "", suffix: str = "
 
 
 def _si_array(values: Values, name: str, unit: str) -> np.ndarray:
-    """An array [SI] of values [SI], or of text and quantities with units."""
     return np.asarray(to_si(values, name, unit))

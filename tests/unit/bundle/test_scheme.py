@@ -8,13 +8,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
-from fascicle.bundle.schemes import (
-    AbstractScheme,
-    Batch,
-    Free,
-    Orderly,
-    State,
-)
+from fascicle.bundle.schemes import AbstractScheme, Batch, Free, Orderly, State
 from fascicle.design import Designs, Task, evaluate
 
 

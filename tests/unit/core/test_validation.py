@@ -3,12 +3,7 @@ import numpy as np
 import pytest
 
 from fascicle.core.errors import InvalidInputError
-from fascicle.core.validation import (
-    broadcast_shape,
-    check_finite,
-    check_interval,
-    check_positive,
-)
+from fascicle.core.validation import broadcast_shape, check_finite, check_interval, check_positive
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 import pytest
 from numpy.testing import assert_allclose
 
+from fascicle.core.errors import InvalidInputError
 from fascicle.files.schema import parse_price
 
 
@@ -8,12 +9,10 @@ from fascicle.files.schema import parse_price
     ("text", "per", "amount", "currency"),
     [
         ("95 EUR", None, 95.0, "EUR"),
-        ("€95.50", None, 95.5, "€"),
-        ("95$", None, 95.0, "$"),
+        ("95.50 €", None, 95.5, "€"),
         ("0 USD", None, 0.0, "USD"),
         ("0.025 EUR/m^3", "volume", 0.025, "EUR"),
         ("0.025 EUR/Nm³", "volume", 0.025, "EUR"),
-        ("0.025 EUR per m3", "volume", 0.025, "EUR"),
         ("2 EUR/L", "volume", 2000.0, "EUR"),
         ("0.36 EUR/kWh", "energy", 1e-7, "EUR"),
         ("40 EUR/m", "length", 40.0, "EUR"),
@@ -26,20 +25,19 @@ def test_prices_are_read(text, per, amount, currency):
 
 
 @pytest.mark.parametrize(
-    ("text", "per", "message"),
+    ("text", "per"),
     [
-        ("95", None, "write one currency"),
-        (True, None, "got True"),
-        ("-5 EUR", None, 'such as "95 EUR"'),
-        ("95 EUR", "volume", "add the unit"),
-        ("95 EUR/s", "volume", "'s' is no unit of volume"),
-        ("1" + "0" * 12 + " EUR", None, "must lie in"),
-        ("9" * 400 + " EUR", None, "must be a price"),
-        ("95\nEUR\n/m\n", "volume", "is no unit"),
+        ("95", None),
+        (True, None),
+        ("-5 EUR", None),
+        ("95 EUR", "volume"),
+        ("95 EUR/s", "volume"),
+        ("1" + "0" * 12 + " EUR", None),
+        ("9" * 400 + " EUR", None),
+        ("95\nEUR\n/m\n", "volume"),
     ],
 )
-def test_invalid_prices_are_one_line(text, per, message):
-    with pytest.raises(ValueError) as refused:  # noqa: PT011 the line is looked at
+def test_invalid_prices_are_one_line(text, per):
+    with pytest.raises(InvalidInputError) as refused:
         parse_price(text, "valve", per)
-    line = str(refused.value)
-    assert line.startswith("`valve` must be a price") and message in line and "\n" not in line
+    assert refused.value.argument == "valve" and "\n" not in str(refused.value)

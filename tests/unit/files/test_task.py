@@ -125,11 +125,11 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
     ("more", "message"),
     [
         ("muscles = 2\n[scatter]\ndraws = 1\n", "scatter.draws = 1: must be"),
-        ('muscles = 2\n[limits]\nsafety = "100 %"\n', "a share of the draws above 0 and below 1"),
+        ('muscles = 2\n[limits]\nsafety = "100 %"\n', "`safety` must lie in (0, 1)"),
         ('muscles = 2\n[scatter]\nwall_thickness = "60 %"\n', "`wall_thickness` must lie in"),
         ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block = 0: must be"),
         ("muscles = 2.5\n", "design.muscles[0]: must be a whole number"),
-        ('muscles = 2\n[limits]\nmargin = "9 N"\n', "must be a share in [0, 10]"),
+        ('muscles = 2\n[limits]\nmargin = "9 N"\n', "`margin` must be a number"),
         (
             'muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n',
             'limits.envelope.at_most = "6 N": `at_most` must be a length',

@@ -4,6 +4,7 @@ import resource
 
 import numpy as np
 import pytest
+import xarray
 from numpy.testing import assert_array_equal
 
 from fascicle.results import labelled as results
@@ -67,7 +68,8 @@ def test_written_results_read_back(tmp_path, name):
         pytest.skip("zarr comes with an extra")
     for _ in range(2):  # the second replaces the first
         results.write(VARIABLES, tmp_path / name, source="ourselves")
-        again = results.read(tmp_path / name)
+        zarr = {"engine": "zarr", "consolidated": False}
+        again = xarray.load_dataset(tmp_path / name, **zarr if name == "x.zarr" else {})
         for key, variable in VARIABLES.items():
             assert_array_equal(again[key].values, variable.values)
             assert again[key].attrs["units"] == (variable.unit if variable.unit != "-" else "1")
@@ -85,8 +87,6 @@ def test_refuses_other_endings(tmp_path):
     for name in ("x.xls", "x", "x.nc.txt"):
         with pytest.raises(ValueError, match=name):
             results.write(VARIABLES, tmp_path / name)
-        with pytest.raises(ValueError, match=name):
-            results.read(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
 
