@@ -157,7 +157,7 @@ def test_the_plain_command_finds_the_fit_and_tells_why(fascicle, tmp_path, monke
              "--braid-angle", "29deg", "--material", "latex", "--no-profile")  # fmt: skip
     code, out, _ = fascicle("calibrate", "d.csv", *sizes, "--verbose")
     assert code == 0
-    assert out.count("Candidates") == 1
+    assert "Candidates" in out
     kept = provenance(tmp_path / "calibrated-d/muscle.toml")
     assert kept["readings"]["read"] == 48
     assert sum(one["chosen"] for one in kept["candidate"]) == 1

@@ -165,7 +165,10 @@ def efficiency_map(
     is_isobaric = check_choice(path, PATHS, "path") == "isobaric"
     if is_isobaric and scheme.independent:
         rule = f"must be 'isotonic' with scheme {scheme.name!r}"
-        remedy = "many pressures of its units give one point, each with its own work on the way"
+        remedy = (
+            "many pressures of its units give one force and strain, each with its own work on the"
+            ' way; ask for path="isotonic" (--path isotonic)'
+        )
         raise InvalidInputError("path", rule, path, remedy)
     distinct, inverse = bundle.distinct_units()
     states, owner = states_of(scheme, len(bundle.motor_units)).sets(inverse.tolist())
