@@ -130,7 +130,10 @@ def _compare_policies(study: "files.Scenario", outputs: Outputs, report: str | N
 
     def figure() -> Any:
         pairs = {name: (run.run, run.tracking) for name, run in runs.items()}
-        return policies(study.plant, pairs, metrics, front)
+        drawdowns, energies = (
+            [getattr(m, x) for m in metrics] for x in ("drawdown", "supply_energy")
+        )
+        return policies(study.plant, pairs, drawdowns, energies, front)
 
     def print_policies() -> None:
         for note in notes:

@@ -15,7 +15,6 @@ from .theme import BLACK, CYCLE, DOUBLE, GRAY, VERMILION, styled
 
 
 if TYPE_CHECKING:
-    from ..control import ControlMetrics
     from ..dynamics import Balance, Plant, Trajectory
 
 _OPEN = 1e-3  # of a valve, from which on it counts as open
@@ -165,19 +164,20 @@ def display_unit(plant: "Plant", quantity: str) -> tuple[float, str]:
 def policies(
     plant: "Plant",
     runs: Mapping[str, tuple["Trajectory", Tracking]],
-    metrics: Sequence["ControlMetrics"],
+    drawdown: Sequence[float],
+    energy: Sequence[float],
     best: Sequence[bool],
 ) -> Figure:
     """Figure of the front of drawdown against energy, and of all policies' errors over time: `runs`
-    by policy, the `metrics` of each [SI], and whether it is on the front.
+    by policy, the `drawdown` [SI] and `energy` from the supply [J] of each, and whether it is on
+    the front.
     """
     # one panel below the other: names need room
     figure, axes = theme.new_figure(2, 1, DOUBLE, 0.75 * DOUBLE, height_ratios=[1.2, 1.0])
     front, error = axes[:, 0]
     quantity = next(iter(runs.values()))[1].quantity
     factor, unit = display_unit(plant, quantity)
-    drawdowns = np.array([factor * x.drawdown for x in metrics])
-    energies = np.array([x.supply_energy for x in metrics])
+    drawdowns, energies = factor * np.asarray(drawdown), np.asarray(energy)
     order = np.flatnonzero(best)[np.argsort(energies[np.asarray(best)])]
     style: dict[str, Any] = {"color": GRAY, "linewidth": 0.8, "zorder": 1, "label": "front"}
     front.step(energies[order], drawdowns[order], where="post", **style)
