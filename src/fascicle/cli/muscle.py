@@ -306,7 +306,9 @@ def _with_load(text: str, mass: str, stroke: str) -> str:
     head, _, remainder = text.partition("example = ")
     _, _, remainder = remainder.partition("# name =")
     load = f'name = "lift"\nforce = "{weight:.6g} N"\nstroke = "{travel:.6g} mm"'
-    text = f"{head}{load}\n# name ={remainder}".replace("\nenvelope = {", "\n# envelope = {")
+    text = f"{head}{load}\n# name ={remainder}"
+    for line in ('reversal_depth = "min"', "envelope = {"):  # of the example's load cases
+        text = text.replace(f"\n{line}", f"\n# {line}")
     pressure = parse(tomllib.loads(text)["task"]["supply_pressure"], "pressure")
     radius = 1e3 * sqrt(weight / (pressure * pi))  # of a piston that lifts it
     for name, values in (

@@ -176,8 +176,7 @@ def answer_search(result: SearchResult) -> Answer:
     index = result.nearest if result.best is None else result.best
     assert index is not None
     design, run, task = result.all_designs(np.array([index])), None, result.task
-    diameter = float(result.values["envelope"][index]) if "envelope" in result.values else None
-    summary = summarize(design, 0, task, result.catalog, diameter, result.cycle)
+    summary = summarize(design, 0, task, result.catalog, result.cycle)
     changes: list[Remedy] = []
     if result.best is None and (result.safety is not None or not result.reaches_task[index]):
         judged = result.safety and result.safety.uncertainty

@@ -221,16 +221,14 @@ def _largest_force(
         for block in slices(len(pressure), max(1, _BATCH // largest.size)):
             pulls = _tension_force(law, pressure[block] + zero, strain)
             largest = np.maximum(largest, pulls.max(axis=0))
-    pushes = full < 0  # as it does wherever even the largest force is less
-    points, muscles = (np.flatnonzero(pushes.any(axis=axis)) for axis in (1, 0))
-    step = max(1, _BATCH // max(1, points.size * len(pressure)))
-    for start in range(0, muscles.size, step):
-        block = np.ix_(points, muscles[start : start + step])
-        muscle = scaled_muscle(drawing, sizes[block[1][0]])
-        pressurized = muscle.law.at(pressure + 0.0 * muscle.length)
-        force = np.where(pushes[block], pressurized.force(strain[block])[0], -np.inf)
-        full[block] = np.where(pushes[block], force[-1], full[block])
-        largest[block] = np.maximum(largest[block], force.max(axis=0))
+    point, index = np.nonzero(
+        full < 0
+    )  # pushes, as it does wherever even the largest force is less
+    for block in slices(index.size, max(1, _BATCH // len(pressure))):
+        i, j = point[block], index[block]
+        pressurized = scaled_muscle(drawing, sizes[j]).law.at(pressure[:, 0] + zero[j])
+        force = pressurized.force(strain[i, j])[0]
+        full[i, j], largest[i, j] = force[-1], np.maximum(largest[i, j], force.max(axis=0))
     return full, largest
 
 

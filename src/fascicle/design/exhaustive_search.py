@@ -156,11 +156,6 @@ class SearchResult:
         return None if self.recommended is None else int(self.front[self.recommended])
 
     @property
-    def compromise(self) -> int | None:
-        """Index of the best compromise on the front; `None` if none is recommended."""
-        return self.offers.get("compromise")
-
-    @property
     def reaches_task(self) -> Bool[np.ndarray, " design"]:
         """Mask of designs that reach the task, whatever other limits they break."""
         return objectives.reaches_task(self.values, self.limits)

@@ -291,14 +291,14 @@ class Product(NamedTuple):
 
     def exclusion_reason(self, task: Task, length: float) -> str:
         """Reason why this product, of a `length` [m], isn't allowed for a `task`; "" if it is."""
-        limit, strain = self.largest_pressure, float(task.strain_of(length).max())
-        if limit is not None and task.supply_pressure > limit * (1 + _ROUNDING):
-            given, most = distinct_texts(task.supply_pressure / 1e3, limit / 1e3)
-            return f"the supply has {given} kPa, its maker allows {most} kPa"
-        limit = self.largest_strain
-        if limit is not None and strain > limit * (1 + _ROUNDING):
-            given, most = distinct_texts(100 * strain, 100 * limit)
-            return f"the task demands a contraction of {given} %, its maker allows {most} %"
+        strain = float(task.strain_of(length).max())
+        for demand, given, limit, scale, unit in (
+            ("supply has", task.supply_pressure, self.largest_pressure, 1e-3, "kPa"),
+            ("task demands a contraction of", strain, self.largest_strain, 100.0, "%"),
+        ):
+            if limit is not None and given > limit * (1 + _ROUNDING):
+                shown, most = distinct_texts(scale * given, scale * limit)
+                return f"the {demand} {shown} {unit}, its maker allows {most} {unit}"
         return ""
 
 

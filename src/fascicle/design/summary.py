@@ -159,7 +159,6 @@ def summarize(
     index: int,
     task: Task,
     catalog: Catalog,
-    diameter: float | None = None,
     cycle: Cycle | None = None,
 ) -> Summary:
     """Summarize a design: its load cases, size, mass, price and valves.
@@ -169,12 +168,10 @@ def summarize(
     - `designs`, `index`: the designs, and the index of this one.
     - `task`: what is demanded.
     - `catalog`: products and prices [-].
-    - `diameter`: of the envelope [m], if it has been computed.
     - `cycle`: for which valves are sized, or `None`.
     """
     design = designs.take(np.array([index]))
-    if diameter is None:
-        diameter = float(evaluate(design, task, ["envelope"])["envelope"][0])
+    diameter = float(evaluate(design, task, ["envelope"])["envelope"][0])
     counts, radius = design.counts[0], design.radius[0]
     muscles, valves = int(counts.sum()), int(design.units[0])
     product = catalog.products.get(list(design.drawings)[int(design.kind[0])])

@@ -36,13 +36,14 @@ def test_limits_are_kept(result):
 def test_compromise_has_the_least_worst_objective(result):
     points = result.points
     share = (points - points.min(axis=0)) / np.ptp(points, axis=0)
-    assert share.max(axis=1)[result.compromise] == share.max(axis=1).min()
+    assert share.max(axis=1)[result.offers["compromise"]] == share.max(axis=1).min()
 
 
 def test_offers_are_on_the_front_and_best_in_their_way(result):
     assert list(result.offers) == ["compromise", "simplest", "most efficient"]
     assert (
-        result.recommended == result.compromise and result.best == result.front[result.compromise]
+        result.recommended == result.offers["compromise"]
+        and result.best == result.front[result.offers["compromise"]]
     )
     values = {name: result.values[name][result.front] for name in SENSES}
     assert values["valves"][result.offers["simplest"]] == values["valves"].min()
@@ -60,7 +61,7 @@ def test_a_cheaper_design_that_is_dominated_is_not_recommended(muscle):
 def test_whole_task_is_required_by_default(muscle, task):
     space = Space({"m": muscle}, (5,))
     result = search(space, task, SENSES)
-    assert not result.front.size and result.recommended is None and result.compromise is None
+    assert not result.front.size and result.recommended is None and not result.offers
     assert result.nearest is not None and len(result.designs) == 0
     # a fifth of the weight is missed, and a quarter of the points: both count
     assert search(space, task, SENSES, {"not_reached": Limit(most=0.2)}).recommended is None
