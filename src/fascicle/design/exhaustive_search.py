@@ -44,7 +44,7 @@ _BLOCK = 2**16  # designs computed between two reports of progress, some seconds
 _DIGITS = 9  # of shares and sizes that are compared: equal ones differ by rounding
 _DRAWS = (64, 512)  # are enough for designs that fail in a third, and in a tenth of the draws
 _DEVIATIONS = 4.0  # of the share in few draws, by which it may be off: 3 of 100 000 more
-_MOST_REPORTED = 100_000  # reported designs in a draw: some 3 s
+_MOST_REPORTED = 50_000  # reported designs in a draw, a part of a second
 _MOST_DRAWN = 400_000  # designs in a draw, over a search: some 12 s
 _SLOWER = 8  # times as long a draw takes if it has a muscle of its own, as of a calibration
 
@@ -279,12 +279,15 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
     changed = {"front": result.pareto_front(safe)} if safe.size else {"nearest": surest}
     result = replace(result, **changed)
     row = np.array([result.nearest if result.best is None else result.best])
-    alone = _spread_of_rows(result, row, uncertainty, uncertainty.draws, ())
+    alone = _spread_of_rows(result, row, uncertainty, uncertainty.draws, ("relative_margin",))
     draws = max(_DRAWS[0], min(uncertainty.draws, _MOST_REPORTED // slower // len(result.front)))
     reported = _spread_of_rows(result, result.front, uncertainty, draws, tuple(result.values))
     judged, share = int(np.sum(~np.isnan(probability))), float(alone.probability[0])
+    low_margin = float(alone.quantile(0.05)["relative_margin"][0])
     nearest_share = np.nan if surest is None else float(probability[surest])
-    safety = Safety(uncertainty, share, judged, complete, reported, surest, nearest_share)
+    safety = Safety(
+        *(uncertainty, share, low_margin, judged, complete, reported, surest, nearest_share)
+    )
     return replace(result, safety=safety)
 
 

@@ -126,14 +126,16 @@ class Safety:
     """Safety of a search's designs: how often they hold the task in random draws.
 
     `uncertainty`: what was drawn; `probability`: share of the draws in which the recommended
-    design, or the surest one, meets the task and all limits [-]; `judged`: number of designs that
-    were judged; `complete`: true if no other design can be on the front of the safe ones; `spread`:
-    of the designs on the front; `nearest_unsafe`: index of the surest recorded design that fails
-    too often, or `None`, with its share of the draws in `nearest_share` [-].
+    design, or the surest one, meets the task and all limits [-], and the 5th percentile of its
+    relative margin, `low_margin` [-]; `judged`: number of designs that were judged; `complete`:
+    true if no other can be on the front of the safe ones; `spread`: of the designs on the front;
+    `nearest_unsafe`: index of the surest recorded design that fails too often, or `None`, with its
+    share of the draws in `nearest_share` [-].
     """
 
     uncertainty: Uncertainty
     probability: float
+    low_margin: float
     judged: int
     complete: bool
     spread: Spread

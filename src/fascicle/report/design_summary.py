@@ -105,11 +105,10 @@ def headline(answer: Answer) -> list[str]:
     designs = "the designs that keep all limits"
     if safety is not None:
         designs, judged = "the safe designs", safety.uncertainty
-        low = np.quantile(safety.spread.values["relative_margin"][result.recommended], 0.05)
         lines.append(
             f"safety: holds in {percent(safety.probability)} of {judged.draws} draws of scatter"
-            f" ({percent(judged.share)} needed); margin {percent(low)} at the 5th percentile;"
-            f" standard deviations: {judged.assumptions}."
+            f" ({percent(judged.share)} needed); margin {percent(safety.low_margin)} at the 5th"
+            f" percentile; standard deviations: {judged.assumptions}."
         )
     objectives = ", ".join(map(objective_label, result.senses))
     reason = f"It is the best compromise of {objectives} among {designs}."
