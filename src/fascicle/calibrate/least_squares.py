@@ -61,11 +61,12 @@ _FIRST_ORDER, _SECOND_ORDER = 1e-6, 1e-4
 _MAX_STEPS = 200  # of the last search; some dozens are usual
 _MAX_ROUGH_STEPS = 60  # of a search to `ROUGH` or less: further steps gain far less than noise
 _TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
-FINE = 1e-10  # of the cost, which is some hundreds: a ten-thousandth of a deviation
+FINE = 1e-8  # of the cost, which is some hundreds: a few thousandths of a deviation
 _SETTLED = 5e-5  # of the cost yet to win, a hundredth of a standard deviation
 _NO_NUMBER = 1e9  # deviations, for a residual where the law has no number
 _MAX_FEV = 5  # MINPACK's status for all steps taken
 _FARTHEST = 1.0  # coordinates that the data don't determine are not sent further
+_SEARCHED = 512  # readings of a second search: it only finds where to go on
 _NOISE_ROUNDS = 6  # three are usual until the noise settles, five the most that was seen
 FIRST_NOISE = 0.02  # of the largest force: where the search for the noise begins
 MIN_FREEDOM = 5  # degrees of freedom: with fewer the noise is too uncertain to test against
@@ -187,10 +188,10 @@ class Problem:
         if gauge is not base:
             elapsed = np.broadcast_to(self.grid.elapsed, order.shape)[self.grid.used]
             force = base.true_force(gauge.read_force(force, elapsed), elapsed)
-        xp = array_namespace(force)
-        force = xp.concatenate([force, xp.zeros((*force.shape[:-1], 1))], axis=-1)[..., order]
         if self.branch is not None:
             force = force + loop_force(self.grid, self.branch, self.weight, force)
+        xp = array_namespace(force)
+        force = xp.concatenate([force, xp.zeros((*force.shape[:-1], 1))], axis=-1)[..., order]
         return where(self.grid.used, force, 0.0)
 
     @cached_property
@@ -274,22 +275,22 @@ class Problem:
         return np.concatenate([softer * force_slopes.reshape(force.size, -1), priors])
 
 
-def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Table) -> Table:
-    """Friction [N] in a `grid`, fitted by least squares to residuals from a static `force` [N]: a
-    constant, a term in pressure and one in force, with the sign of the `branch`.
+def loop_force(grid: Grid, branch: np.ndarray, weight: Table, force: Batch) -> Batch:
+    """Friction [N] at the used entries of a `grid`, fitted by least squares to residuals from a
+    static `force` [N] there: a constant, a term in pressure and one in force, with the sign of the
+    `branch`.
     """
-    xp = array_namespace(force)
-    terms = [xp.ones_like(force), 0 * force + grid.pressure / top_pressure(grid)]
-    terms.append(force / np.max(np.abs(grid.force)))
-    columns, scale = branch * xp.stack(terms, axis=-3), weight * grid.precision
-    usable = grid.measured & (weight > 0) & xp.isfinite(force)
-    missed = xp.where(usable, (grid.force - force) * scale, 0.0)
-    basis = xp.where(usable[..., None, :, :], columns * scale, 0.0)
-    gram = xp.einsum("...ilr,...jlr->...ij", basis, basis)
+    xp, used, top = array_namespace(force), grid.used, np.max(np.abs(grid.force))
+    pressure = np.broadcast_to(grid.pressure / top_pressure(grid), used.shape)[used]
+    terms = [xp.ones_like(force), 0 * force + pressure, force / top]
+    columns, scale = branch[used] * xp.stack(terms, axis=-2), (weight * grid.precision)[used]
+    usable = ~grid.censored[used] & (scale > 0) & xp.isfinite(force)
+    missed = xp.where(usable, (grid.force[used] - force) * scale, 0.0)
+    basis = xp.where(usable[..., None, :], columns * scale, 0.0)
     # a small diagonal for a record with a single pressure
-    gram = gram + 1e-9 * float(np.sum(grid.count)) * np.eye(3)
-    terms = xp.linalg.solve(gram, xp.einsum("...ilr,...lr->...i", basis, missed)[..., None])
-    return xp.sum(terms[..., None] * columns, axis=-3)
+    gram = basis @ xp.swapaxes(basis, -1, -2) + 1e-9 * float(np.sum(grid.count)) * np.eye(3)
+    share = xp.linalg.solve(gram, basis @ missed[..., None])
+    return xp.sum(share * columns, axis=-2)
 
 
 def soften(r: np.ndarray, loss: str) -> tuple[np.ndarray, np.ndarray]:
@@ -546,7 +547,14 @@ def search_minimum(
     # the second takes the noise that the first one left: priors weigh against it
     first = first._replace(cost=first.cost * (problem.noise / minimum.noise) ** 2)
     problem = replace(problem, noise=minimum.noise)
-    nearby = solve(problem, np.concatenate([around, best + steps, best - steps]), tolerance=ROUGH)
-    best = solve(problem, nearby.points[[nearby.best]]).points[0]
-    ends = SearchEnds(*map(np.concatenate, zip(first, nearby, strict=True)))
+    grid, count = problem.grid, int(np.sum(problem.grid.used))
+    few = grid
+    if count > _SEARCHED:  # enough readings to tell which way leads lowest
+        chosen = np.random.default_rng(seed).random(grid.count.shape) < _SEARCHED / count
+        few = replace(grid.without(~chosen), count=grid.count * chosen * count / _SEARCHED)
+    points = np.concatenate([around, best + steps, best - steps])
+    nearby = solve(replace(problem, grid=few), points, tolerance=ROUGH)
+    last = solve(problem, np.stack([nearby.points[nearby.best], best]), tolerance=ROUGH)
+    best = solve(problem, last.points[[last.best]]).points[0]
+    ends = SearchEnds(*map(np.concatenate, zip(first, last, strict=True)))
     return Solution(problem, ends, best, minimum_at(problem, best, curves_covariance))

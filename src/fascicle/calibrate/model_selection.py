@@ -427,8 +427,9 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Ca
             left_out[fold] = refitted[0][fold]
     forces = [fitted[0], left_out]
     if loop:
-        weight = data.settled.astype(float)
-        forces = [force + loop_force(data.grid, data.branch, weight, force) for force in forces]
+        weight, used = data.settled.astype(float), data.grid.used
+        for force in forces:
+            force[used] += loop_force(data.grid, data.branch, weight, force[used])
     errors = [_settled(data, data.errors(force)) for force in forces]
     return [make_candidate((), "tuning", fitted[1], *errors, loss, largest_force(data.record))]
 
