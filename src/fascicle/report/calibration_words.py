@@ -232,7 +232,8 @@ def _error_line(calibration: Calibration, verdict: Verdict) -> str:
     if loop is not None and (friction is None or friction.law is not None):
         error += (
             f"; {pretty(calibration.half_way_rmse, 'force', 3)} from the half-way curve of the"
-            f" loops, which are {range_text(np.maximum(loop.width, 0.0))} N wide"
+            f" loops, which are {range_text(np.maximum(loop.width, 0.0))} N wide on average and"
+            f" {pretty(float(np.max(loop.widest)), 'force', 2)} at most"
         )
     return f"{error}."
 
