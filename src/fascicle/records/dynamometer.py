@@ -186,9 +186,7 @@ class VirtualDynamometer:
         )  # fmt: skip
 
     def _sweeps(self, muscle: Muscle) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Readings of a perfect gauge: pressures [Pa]; strain [-] and branch of each column; forces
-        [N] with hysteresis and softening, a row for each pressure.
-        """
+        """Pressures [Pa], strains [-] and branches by column, and forces [N] of a perfect gauge."""
         if any(np.ndim(size) for size in (muscle.length, muscle.outer_radius, muscle.braid_angle)):
             raise InvalidInputError("muscle", "must be a single muscle", None)
         P = np.asarray(self.pressures, dtype=float)

@@ -12,7 +12,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from itertools import zip_longest
 from typing import Any
 
@@ -56,18 +56,16 @@ def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, 
     for start, remedy in _REMEDIES.items():
         if beginning.startswith(start.lower()):
             raise ValueError(f"{source}: {remedy}.")
-    if raw.startswith(b"PK\3\4"):
-        tables = _read_apart("xlsx", raw, source)
-    elif raw.startswith(b"TDSm"):
-        tables = _read_apart("tdms", raw, source)
-    elif raw.startswith(b"MATLAB") or (source.lower().endswith(".mat") and b"\0" in raw):
-        tables = _read_apart("mat", raw, source)
-    elif table is not None:
-        raise ValueError(
-            f"{source}: no table `{table}`: a text file holds one, leave the name out."
-        )
-    else:
+    signs = {b"PK\3\4": "xlsx", b"TDSm": "tdms", b"MATLAB": "mat"}
+    kind = next((kind for sign, kind in signs.items() if raw.startswith(sign)), "")
+    if not kind and source.lower().endswith(".mat") and b"\0" in raw:
+        kind = "mat"
+    if not kind and table is None:
         return {"": raw}
+    if not kind:
+        rule = f"no table `{table}`: a text file holds one, leave the name out"
+        raise ValueError(f"{source}: {rule}.")
+    tables = _read_apart(kind, raw, source)
     names = [name for name in tables if table is not None and name.lower() == table.lower()]
     if not names:
         pattern = "*" if table is None else table.lower()
@@ -80,10 +78,10 @@ def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, 
         raise ValueError(f"{source}: no table of numbers in it: export the readings as CSV.")
     if len(names) > 1 and table is None:
         listed = ", ".join(f"`{name}`" for name in names)
-        before = f"{source}: several tables, {listed}: choose one with "
         longest = max(names, key=lambda name: tables[name].count(b"\n"))  # others hold results
-        several = ("table", "", "*", " for all, if of one muscle")
-        raise MissingMetadataError(before, ("table", "", longest, ""), several)
+        choices = (("table", "", longest, ""), ("table", "", "*", " for all, if of one muscle"))
+        rule = f"several tables, {listed}: choose one with "
+        raise MissingMetadataError(f"{source}: {rule}", *choices)
     return {name: tables[name] for name in names}
 
 
@@ -95,12 +93,11 @@ def _read_apart(kind: str, raw: bytes, source: str) -> dict[str, bytes]:
     # a thread of OpenBLAS takes memory that counts
     paths = os.pathsep.join(filter(None, sys.path))
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": paths}
+    answer: dict[str, Any] = {"error": "its reader crashed"}
     try:
         done = subprocess.run(  # noqa: S603 of this package
             command, input=raw, capture_output=True, timeout=_TIME, env=environment, check=False
         )
-        reason = "its reader crashed"
-        answer: dict[str, Any] = {"error": reason}
         answer = json.loads(done.stdout) if done.returncode == 0 else answer
     except subprocess.TimeoutExpired:
         answer = {"error": f"it takes longer than {_TIME} s"}
@@ -110,7 +107,7 @@ def _read_apart(kind: str, raw: bytes, source: str) -> dict[str, bytes]:
     return {name: text.encode() for name, text in answer["tables"].items()}
 
 
-def read_sheets(raw: bytes) -> dict[str, str]:
+def _read_sheets(raw: bytes) -> dict[str, str]:
     """Tables of an .xlsx file by sheet."""
     from openpyxl import load_workbook
 
@@ -131,14 +128,14 @@ def read_sheets(raw: bytes) -> dict[str, str]:
         for number, row in enumerate(sheet.iter_rows(), 1):
             count += len(row)
             if number > _MAX_ROWS or count > _MAX_CELLS:
-                raise ValueError(f"sheet `{sheet.title}` has more than {_MAX_CELLS} cells or"
-                                 f" {_MAX_ROWS} rows")  # fmt: skip
+                limits = f"{_MAX_CELLS} cells or {_MAX_ROWS} rows"
+                raise ValueError(f"sheet `{sheet.title}` has more than {limits}")
             lines.append("\t".join(texts(row, has_percent)))
         tables[sheet.title] = "\n".join(lines) + "\n"
     return tables
 
 
-def read_groups(raw: bytes) -> dict[str, str]:
+def _read_groups(raw: bytes) -> dict[str, str]:
     """Tables of a .tdms file by group, and by rate where its channels have several."""
     from nptdms import TdmsFile
 
@@ -156,14 +153,11 @@ def read_groups(raw: bytes) -> dict[str, str]:
                 columns.setdefault("time [s]", times)
             unit = channel.properties.get("unit_string") or channel.properties.get("Unit")
             columns[f"{channel.name} [{unit}]" if unit else channel.name] = np.asarray(channel[:])
-    return {name: _text(columns) for name, columns in frames.items()}
+    return {name: _text(columns.values(), columns) for name, columns in frames.items()}
 
 
-def read_variables(raw: bytes) -> dict[str, str]:
-    """Tables of a .mat file: its vectors together, and each of its matrices, by name.
-
-    A number beside vectors holds for each of their rows.
-    """
+def _read_variables(raw: bytes) -> dict[str, str]:
+    """Tables of a .mat file: each matrix, and its vectors together, numbers in all rows."""
     from scipy.io import loadmat
 
     content = loadmat(io.BytesIO(raw), squeeze_me=True)
@@ -171,61 +165,45 @@ def read_variables(raw: bytes) -> dict[str, str]:
     numbers = {key: value for key, value in arrays.items() if value.dtype.kind in "fiub"}
     if sum(value.size for value in numbers.values()) > _MAX_CELLS:
         raise ValueError(f"more than {_MAX_CELLS} numbers")
-    tables = {
-        key: _text(dict(enumerate(value.T)), header=False)
-        for key, value in numbers.items()
-        if value.ndim == 2
-    }
+    tables = {key: _text(value.T) for key, value in numbers.items() if value.ndim == 2}
     columns = {key: value for key, value in numbers.items() if value.ndim < 2}
     sizes = {value.size for value in columns.values() if value.ndim}
     if len(sizes) > 1:
-        raise ValueError(f"vectors of {min(sizes)} to {max(sizes)} numbers, of one length they are"
-                         " a table")  # fmt: skip
+        ends = f"{min(sizes)} to {max(sizes)}"
+        raise ValueError(f"vectors of {ends} numbers, of one length they are a table")
     if sizes:
-        size = sizes.pop()
-        frame = {key: np.broadcast_to(value, size) for key, value in columns.items()}
-        tables["variables"] = _text(frame)
+        vectors = np.broadcast_arrays(*columns.values())
+        tables["variables"] = _text(vectors, columns)
     if not tables and len(numbers) < len(arrays):
         nested = ", ".join(f"`{key}`" for key in sorted(arrays.keys() - numbers.keys()))
         raise ValueError(f"{nested} is no vector of numbers, save each column as one")
     return tables
 
 
-_READERS: dict[str, Callable[[bytes], dict[str, str]]] = {
-    "xlsx": read_sheets,
-    "tdms": read_groups,
-    "mat": read_variables,
-}
-
-
-def _text(
-    columns: Mapping[str, np.ndarray] | Mapping[int, np.ndarray], *, header: bool = True
-) -> str:
-    """Columns by name as text between tabs, the shorter ones with blank cells."""
-    if sum(values.size for values in columns.values()) > _MAX_CELLS:
+def _text(columns: Iterable[np.ndarray], names: Collection[str] = ()) -> str:
+    """Columns as text between tabs, below their names, the shorter ones with blank cells."""
+    columns = list(columns)
+    if sum(values.size for values in columns) > _MAX_CELLS:
         raise ValueError(f"more than {_MAX_CELLS} numbers")
-    cells = [
-        map(str, (x.astype(str) if x.dtype.kind == "M" else x).tolist()) for x in columns.values()
-    ]
-    lines = map("\t".join, zip_longest(*cells, fillvalue=""))
-    return "\n".join([*(["\t".join(map(str, columns))] if header else []), *lines, ""])
-
-
-def _limit_resources() -> None:
-    """Limit the memory of this process, and let a crash leave no file, where the system can."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return
-    for kind, limit in ((resource.RLIMIT_DATA, _MEMORY), (resource.RLIMIT_CORE, 0)):
-        resource.setrlimit(kind, (limit, limit))
+    columns = [values.astype(str) if values.dtype.kind == "M" else values for values in columns]
+    cells = zip_longest(*(map(str, values.tolist()) for values in columns), fillvalue="")
+    header = ["\t".join(names)] if names else []
+    return "\n".join([*header, *map("\t".join, cells), ""])
 
 
 def main() -> None:
-    """Read a file of the kind that the command names."""
-    _limit_resources()
+    """Read a file of the kind that the command names, and write its tables."""
     try:
-        answer = {"tables": _READERS[sys.argv[1]](sys.stdin.buffer.read())}
+        import resource
+
+        # a crash leaves no file
+        for kind, limit in ((resource.RLIMIT_DATA, _MEMORY), (resource.RLIMIT_CORE, 0)):
+            resource.setrlimit(kind, (limit, limit))
+    except ImportError:  # Windows
+        pass
+    readers = {"xlsx": _read_sheets, "tdms": _read_groups, "mat": _read_variables}
+    try:
+        answer = {"tables": readers[sys.argv[1]](sys.stdin.buffer.read())}
     except MemoryError:
         answer = {"error": f"it needs more than {_MEMORY / 2**30:g} GB of memory"}
     except Exception as error:  # noqa: BLE001 of several libraries

@@ -8,7 +8,7 @@ comes from an instrument, so `PSI`, `bar(g)`, `pct`, `Newtons` and `µm` are und
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -212,10 +212,7 @@ def is_gauge_unit(unit: str) -> bool:
 
 
 def unit_factor(unit: str, dimension: str) -> float:
-    """SI units in one `unit`, as a header writes it, without brackets.
-
-    Raises a `ValueError` of a few words for a unit that isn't of the `dimension`.
-    """
+    """SI units in one `unit`, as a header writes it; `ValueError` if of another dimension."""
     text = unit.strip().rstrip(".")  # `in.`
     if dimension == "moment":
         text = re.sub(r"[\s·⋅•.*-]+", "", text)
@@ -396,16 +393,12 @@ def choose_columns(table: "Table", info: "Sidecar") -> tuple[dict[str, Column], 
             units.setdefault(role, unit)
     for role, scale in info.scales.items():
         chosen.setdefault(role, _signal_index(table, role, scale))
-    _infer(table, chosen, units, constants, () if names else ROLES)
+    _infer(table, chosen, units, constants, bool(names))
     columns, optional = {}, _optional_roles(constants | chosen.keys())
     for role, index in chosen.items():
         header = table.header[index] or (names[index] if index < len(names) else "")
-        column, scale = Column(role, index, header), info.scales.get(role)
         try:
-            if scale:
-                columns[role] = _scaled(table, column, scale)
-            else:
-                columns[role] = _complete(table, column, units.get(role), info.atmosphere)
+            columns[role] = _complete(table, role, index, header, units.get(role), info)
         except ValueError:
             if role not in optional or role in info.columns or role in units:
                 raise
@@ -422,12 +415,10 @@ def _infer(
     chosen: dict[str, int],
     units: Mapping[str, str],
     constants: set[str],
-    roles: Sequence[str],
+    named: bool,
 ) -> None:
-    """Add the columns of `roles` that the header tells to the `chosen` ones, and drop a torque
-    beside a force; raises for several candidates, or without pressure, force or position.
-    """
-    for role in roles:
+    """Add the columns that the header tells to the `chosen` ones, unless all are `named`."""
+    for role in () if named else ROLES:
         supplied, used = constants | set(chosen), set(chosen.values())
         alternatives = next((group for group in _ALTERNATIVES if role in group), (role,))
         # a moment arm may depend on the angle, also where the length was measured
@@ -445,10 +436,8 @@ def _infer(
         if role in _optional_roles(supplied):
             # several of one name, as a time beside each channel, are alike
             indices = indices[:1] if len({table.header[i] for i in indices}) == 1 else []
-        if len(indices) > 1:
-            raise _ambiguous(table, role, indices)
         if indices:
-            chosen[role] = indices[0]
+            chosen[role] = _only_index(table, role, indices)
     supplied = constants | set(chosen)
     for role, group in zip(_EXAMPLES, _ALTERNATIVES, strict=True):
         if not supplied & set(group):
@@ -497,13 +486,12 @@ def _role_positions(names: Sequence[str]) -> list[tuple[str, int, str]]:
             and (not unit or role == "branch" or is_unit(unit, dimension_of(role))
                  or unit.lower() in SIGNALS or absolute_unit(unit))
         ]  # fmt: skip
-        if not fits:
-            rule = f"has the unknown name {text!r}"
-            hint = f"choose of {', '.join(ROLES)}, with a unit as in force[N], or - to skip"
-            raise InvalidInputError("columns in order", rule, text, hint, "")
-        role, unit = fits[0]
-        if role in positions:
+        role, unit = fits[0] if fits else ("", "")
+        if not role or role in positions:
             rule, hint = f"names {role} twice", "write - for the one to skip"
+            if not role:
+                rule = f"has the unknown name {text!r}"
+                hint = f"choose of {', '.join(ROLES)}, with a unit as in force[N], or - to skip"
             raise InvalidInputError("columns in order", rule, text, hint, "")
         positions[role] = index, unit
     return [(role, *position) for role, position in positions.items()]
@@ -513,17 +501,14 @@ def _index_of(table: "Table", role: str, header: str) -> int:
     """Index of the column that the caller named."""
     target, names = header.strip().lower(), table.header
     indices = [i for i, name in enumerate(names) if name.lower() == target]
-    indices = indices or [
-        i for i, name in enumerate(names) if target in [plain for plain, _ in read_header(name)]
-    ]
-    if len(indices) > 1:
-        raise _ambiguous(table, role, indices)
+    if not indices:
+        indices = [i for i, name in enumerate(names) if target in dict(read_header(name))]
     if not indices:
         names = [name for name in names if name]
         hint = did_you_mean(header, names)
         hint = hint if hint.endswith("?") else f": there are {_list_names(names)}."
         raise ValueError(f"{table.where}: no column `{header}` for {role}{hint}")
-    return indices[0]
+    return _only_index(table, role, indices)
 
 
 def _signal_index(table: "Table", role: str, scale: Scale) -> int:
@@ -532,11 +517,9 @@ def _signal_index(table: "Table", role: str, scale: Scale) -> int:
     indices = [i for i in range(len(table.header)) if table.stated_unit(i).lower() == unit]
     if len(indices) > 1:
         indices = [i for i in indices if _list_words(table.header[i]) & {*TERMS[role]}] or indices
-    if len(indices) > 1:
-        raise _ambiguous(table, role, indices)
     if not indices:
         raise ValueError(f"{table.where}: no column in {scale.unit} for the scale of {role}.")
-    return indices[0]
+    return _only_index(table, role, indices)
 
 
 def _candidates(table: "Table", role: str, used: set[int], unit: str | None) -> list[int]:
@@ -551,28 +534,21 @@ def _candidates(table: "Table", role: str, used: set[int], unit: str | None) -> 
     return [i for i, points in scores.items() if points == best > 0]
 
 
-def _scaled(table: "Table", column: Column, scale: Scale) -> Column:
-    """The column of a signal, with the `scale` of its gauge."""
-    stated = table.stated_unit(column.index)
-    if stated and stated.lower() != scale.unit.lower():
-        rule = f"its unit is {stated}, not {scale.unit} as in the scale: leave the scale out"
-        raise ValueError(f"{table.place(column.header)}: {rule}.")
-    return replace(column, unit=scale.unit, factor=scale.factor)
-
-
 def _complete(
-    table: "Table", column: Column, override: str | None, atmosphere: float | None
+    table: "Table", role: str, index: int, header: str, override: str | None, info: "Sidecar"
 ) -> Column:
-    """The column with its unit (`override`, else the header's), factor and sign; an absolute
-    pressure is refused unless the `atmosphere` [Pa] is known.
-    """
-    role, header = column.role, table.header[column.index]
+    """The column with its unit (`override`, else the header's), factor and sign."""
+    where, stated = table.place(header), table.stated_unit(index)
+    if scale := info.scales.get(role):
+        if stated.lower() not in ("", scale.unit.lower()):
+            rule = f"its unit is {stated}, not {scale.unit} as in the scale: leave the scale out"
+            raise ValueError(f"{where}: {rule}.")
+        return Column(role, index, header, scale.unit, scale.factor)
     if role in {"branch", "clipped"}:
-        return column
+        return Column(role, index, header)
     dimension, names = dimension_of(role), _list_words(header)
-    header_unit = table.stated_unit(column.index, dimension)
+    header_unit = table.stated_unit(index, dimension)
     unit = override or header_unit
-    where = table.place(header)
     if unit.lower() in SIGNALS or (not unit and names & _RAW):
         raise _raw_signal(where, role, unit)
     if not unit and role == "time":
@@ -585,11 +561,11 @@ def _complete(
         how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
         after = f", or {' or '.join(alternatives)}" if alternatives else ""
         raise MissingMetadataError(how, ("units", role, best, after))
-    is_named = absolute_unit(header_unit) or names & _ABSOLUTE_WORDS or atmosphere is not None
-    absolute = role == "pressure" and bool(
-        absolute_unit(unit) or (is_named and not is_gauge_unit(unit))
-    )
-    if absolute and atmosphere is None:
+    has_atmosphere = info.atmosphere is not None
+    is_named = absolute_unit(header_unit) or names & _ABSOLUTE_WORDS or has_atmosphere
+    is_absolute = absolute_unit(unit) or (is_named and not is_gauge_unit(unit))
+    absolute = role == "pressure" and bool(is_absolute)
+    if absolute and not has_atmosphere:
         how = f"{where}: {unit if absolute_unit(unit) else header!r} is absolute, muscles are"
         how += " computed in gauge pressure: to subtract the atmosphere, give "
         choices = [("atmosphere", "", "1.013 bar", " as measured then")]
@@ -608,7 +584,7 @@ def _complete(
     longer = role in {"strain", "displacement"} and names & _LONGER
     longer = longer and not names & {"compressive", "compression"}
     replaced = header_unit if override and meaning not in ("", override) else ""
-    return Column(role, column.index, header, unit, factor, -1 if longer else 1, replaced, absolute)
+    return Column(role, index, header, unit, factor, -1 if longer else 1, replaced, absolute)
 
 
 def _raw_signal(where: str, role: str, unit: str) -> MissingMetadataError:
@@ -636,23 +612,26 @@ def _check_wide(table: "Table") -> None:
         levels = [cell for cell in cells if NUMBER.fullmatch(cell) or _LEVEL.search(cell)]
         is_names = cells == list(table.header) or is_known(cells[0]) or "" in cells[1:2]
         if len(set(levels)) > 1 and is_names:
+            recipe = "pandas.read_csv(FILE).melt(NAME_OF_FIRST_COLUMN)"
+            remedy = f"make a row of each reading, with {recipe}, and name the columns with units"
             raise ValueError(
-                f"{table.where}: a column for each of {_list_names(levels)}: make a row of each"
-                " reading, with pandas.read_csv(FILE).melt(NAME_OF_FIRST_COLUMN), and name the"
-                " columns with their units."
+                f"{table.where}: a column for each of {_list_names(levels)}: {remedy}."
             )
 
 
-def _ambiguous(table: "Table", role: str, indices: Sequence[int]) -> ValueError:
-    """The error for several columns that could be one role's."""
+def _only_index(table: "Table", role: str, indices: Sequence[int]) -> int:
+    """The index of the column of a role; the error for several."""
+    if len(indices) == 1:
+        return indices[0]
     _check_wide(table)
     names = [table.header[i] for i in indices]
     if len(set(names)) == 1:
         rule = f"column `{names[0]}` is there {len(names)} times: name all in order, as in "
         choice = ("columns", "", EXAMPLE_NAMES, ", with - for each to skip")
-        return MissingMetadataError(f"{table.where}: {rule}", choice)
-    rule = f"several columns could be {role}, {_list_names(names)}: choose one with "
-    return MissingMetadataError(f"{table.where}: {rule}", ("columns", role, names[0], ""))
+    else:
+        rule = f"several columns could be {role}, {_list_names(names)}: choose one with "
+        choice = ("columns", role, names[0], "")
+    raise MissingMetadataError(f"{table.where}: {rule}", choice)
 
 
 def _missing(table: "Table", role: str, group: Sequence[str], used: set[int]) -> ValueError:
@@ -662,36 +641,38 @@ def _missing(table: "Table", role: str, group: Sequence[str], used: set[int]) ->
         return ValueError(f"{table.where}: one column only, `{table.header[0]}`: {remedy}.")
     _check_wide(table)
     group = sorted(group, key=lambda candidate: candidate != role)
-    dimensions = [dimension_of(candidate) for candidate in group]
+    dimensions = {candidate: dimension_of(candidate) for candidate in group}
     terms = {term for candidate in group for term in TERMS[candidate]}
-    names, signals = [], []
+    names, signals = dict[str, str](), dict[str, str]()  # with their units
     for i, name in enumerate(table.header):
-        stated = table.stated_unit(i)
+        unit = table.stated_unit(i)
         if i in used or name.lower() in {"", "comment"}:  # the last column of LabVIEW
             continue
         is_named = read_header(name)[0][0] in terms
-        if role == "length" and is_named and stated and not is_unit(stated):
-            error = ValueError(f"{stated!r} is no unit of {role}")
-            return _wrong_unit(table.place(name), role, stated, error)
-        if stated.lower() in SIGNALS:
-            signals.append((name, stated))
-        fits = not stated or is_unit(stated, *dimensions) or weight_unit(stated, dimensions[0])
-        if fits or (role == "pressure" and absolute_unit(stated)):
-            names.append(name)
+        if role == "length" and is_named and unit and not is_unit(unit):
+            error = ValueError(f"{unit!r} is no unit of {role}")
+            return _wrong_unit(table.place(name), role, unit, error)
+        if unit.lower() in SIGNALS:
+            signals[name] = unit
+        fits = not unit or is_unit(unit, *dimensions.values()) or weight_unit(unit, group[0])
+        if fits or (role == "pressure" and absolute_unit(unit)):
+            names.setdefault(name, unit)
     if signals and not names:
-        return _raw_signal(table.place(signals[0][0]), role, signals[0][1])
-    names.sort(key=lambda name: bool(_list_words(name) & _QUALIFIERS))  # setpoints last
+        name, unit = next(iter(signals.items()))
+        return _raw_signal(table.place(name), role, unit)
     before = f"{table.where}: no column of {' or '.join(group)} found: "
     constant = ("constants", role, _EXAMPLES[role], ", if it is one for all readings")
     if not names:
         return MissingMetadataError(f"{before}add it, or give ", constant)
-    unit = table.stated_unit(table.header.index(names[0]))
-    fitting = [candidate for candidate in group if unit and is_unit(unit, dimension_of(candidate))]
+    # setpoints last
+    ordered = sorted(names, key=lambda name: bool(_list_words(name) & _QUALIFIERS))
+    name, unit = ordered[0], names[ordered[0]]
+    fitting = [candidate for candidate in group if unit and is_unit(unit, dimensions[candidate])]
     if len(names) == 1 and role == "length" and fitting:
-        choices = [("columns", candidate, names[0], "") for candidate in fitting]
-        return MissingMetadataError(f"{before}`{names[0]}` is which of them: give ", *choices)
-    named = ("columns", role, names[0], f" if it is one of {_list_names(names)}")
-    return MissingMetadataError(f"{before}name it with ", named, constant)
+        choices = [("columns", candidate, name, "") for candidate in fitting]
+        return MissingMetadataError(f"{before}`{name}` is which of them: give ", *choices)
+    choice = ("columns", role, name, f" if it is one of {_list_names(ordered)}")
+    return MissingMetadataError(f"{before}name it with ", choice, constant)
 
 
 def _list_names(names: Sequence[str]) -> str:

@@ -99,15 +99,7 @@ def averaged(record: Record, points: int = 50) -> Averaged:
 
 
 def loop_of(record: Record, half_way: Averaged | None = None) -> Loop | None:
-    """Widths of a record's hysteresis loops, pressure by pressure.
-
-    **Arguments:**
-
-    - `record`: readings [SI].
-    - `half_way`: its half-way record [SI]; computed if left out.
-
-    **Returns:** the widths [SI], or `None` for a record without loops.
-    """
+    """Widths of a record's loops by pressure, or `None` without any; `half_way`: its average."""
     try:
         half_way = half_way or averaged(record)
     except ValueError:  # no sweeps in it
@@ -148,9 +140,7 @@ def group_by_level(record: Record, segments: Sequence[Run]) -> list[list[Run]]:
 def _half_way(
     record: Record, branches: dict[int, list[Run]], points: int
 ) -> tuple[Record, np.ndarray] | None:
-    """Mean of both branches of one level, at up to `points` strains or pressures, and force DOWN
-    less UP [N] there; `None` if they don't overlap.
-    """
+    """Mean of both branches of one level, and DOWN less UP [N]; `None` without overlap."""
     by_pressure = branches[UP][0].kind == "pressure"
     free, level = ("strain", "pressure") if by_pressure else ("pressure", "strain")
     indices = {side: np.concatenate([run.points for run in branches[side]]) for side in branches}

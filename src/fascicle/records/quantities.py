@@ -138,9 +138,7 @@ class Readings:
         return self.strain[top], self.force[top]
 
     def read_joint(self) -> None:
-        """Complete readings of torque or angle by the moment arm [m], and those of an angle by the
-        muscle's shortening from rest [m]; those whose arm gives no force are left out.
-        """
+        """Complete torques by the moment arm [m], and angles by the shortening from rest [m]."""
         columns, is_angle = self.columns, self.position.role == "angle"
         if not is_angle and "torque" not in columns:
             return
@@ -205,9 +203,7 @@ class Readings:
         self.force = force * (self.info.signs.sign("force") or 1)
 
     def read_pressure(self) -> None:
-        """Gauge pressure [Pa], noise below zero set to zero; refuses lower pressures, and units
-        that can't be right beside the force.
-        """
+        """Gauge pressure [Pa], noise below zero set to zero; refuses what no muscle has."""
         column, raw, info = self.columns["pressure"], self.raw("pressure"), self.info
         zero = (info.pressure_at_rest or 0.0) + (info.atmosphere or 0.0) * column.absolute
         pressure = _to_si_units(raw, column.factor) - zero
@@ -257,9 +253,7 @@ class Readings:
             raise self.cell_error(row, column, f"{rule}{suggestion}")
 
     def read_strain(self, rest_length: float) -> None:
-        """Contraction [-], from strains, displacements, lengths or angles; its direction is checked
-        against pressure and force. `rest_length` [m].
-        """
+        """Contraction [-], from strains, displacements, lengths or angles; `rest_length` [m]."""
         column, info = self.position, self.info
         values = self.si(column.role)
         assert values is not None  # a table without a position is refused
@@ -333,9 +327,7 @@ class Readings:
         raise self.cell_error(row, column, f"{rule}.")
 
     def _check_fractions(self) -> None:
-        """Refuse strains without a unit that are no fractions, and in % that are: below 1 %, over
-        which the pull at the highest pressure falls by half.
-        """
+        """Refuse strains without a unit that are no fractions, and in % that seem to be."""
         column, raw = self.position, np.abs(self.raw("strain"))
         row, (_, F) = int(np.argmax(raw)), self._at_top()
         if column.index < 0:
@@ -354,9 +346,7 @@ class Readings:
             raise self._ask(column, rule, *choices)
 
     def _check_direction(self) -> None:
-        """Refuse a position, of no stated direction, that stretches the muscle or along which it
-        pulls harder while it contracts.
-        """
+        """Refuse a position that stretches the muscle, or along which it pulls harder."""
         column, strain, pressure, force = self.position, self.strain, self.pressure, self.force
         is_longer, (x, F), rule = strain < _STRETCHED, self._at_top(), ""
         if x.size >= _MIN_READINGS and np.ptp(x) > 0 < np.ptp(F) and np.mean(F) > 0:
@@ -382,9 +372,7 @@ class Readings:
             raise self._ask(column, rule, choice)
 
     def check_pull(self) -> None:
-        """Refuse a force of no stated direction that pushes where any muscle pulls: at rest under
-        pressure, or less and less along contraction.
-        """
+        """Refuse a force that pushes where any muscle pulls, unless its direction is stated."""
         x, F = self._at_top()
         if self.info.signs.force is not None or not x.size or -F.min() <= max(2 * F.max(), 0.0):
             return
@@ -397,9 +385,7 @@ class Readings:
             raise self._ask(self.pull, rule, choice)
 
     def check_atmosphere(self) -> None:
-        """Doubt a lowest pressure that may be the atmosphere; refuse one at which a muscle at rest
-        doesn't pull.
-        """
+        """Doubt a lowest pressure that may be the atmosphere; refuse one without a pull."""
         column, low, force = self.columns["pressure"], float(np.min(self.pressure)), self.force
         is_gauge = column.absolute or is_gauge_unit(column.unit)
         if is_gauge or not (90e3 < low < 110e3 and np.max(self.pressure) > 1.5 * low):
@@ -415,9 +401,7 @@ class Readings:
         self.doubts.append(note)
 
     def read_censored(self) -> np.ndarray:
-        """Flags of clipped forces: from a column `clipped`; with `clipped_at_zero`, also forces of
-        exactly 0.
-        """
+        """Flags of clipped forces: of a column, and with `clipped_at_zero` of exactly 0."""
         is_zero, clipped_at_zero = self.force == 0, self.info.clipped_at_zero
         censored = np.zeros(is_zero.size, dtype=bool)
         if "clipped" in self.columns:
@@ -438,9 +422,7 @@ class Readings:
         return self._meanings("branch", BRANCHES, "up or down").astype(np.int8)
 
     def _meanings(self, role: str, meanings: Mapping[str, int], rule: str) -> np.ndarray:
-        """Meaning of the text in each cell of a column; the error for an unknown one has the
-        `rule`.
-        """
+        """Meaning of the text in each cell of a column; the error for an unknown one: `rule`."""
         texts = self.cells[role]
         values = [meanings.get(text) for text in texts]
         if None in values:
@@ -501,9 +483,7 @@ def _reading_text(value: float, column: Column) -> str:
 
 
 def _suggest_unit(column: Column, worst: float, excess: float = 0.0) -> str:
-    """End of an error: `: did you mean kPa?`, a unit in which `worst` makes sense, or `: check its
-    unit.` `excess`: factor by which a force is too large.
-    """
+    """End of an error: a unit in which `worst` makes sense; `excess`: of a force, as factor."""
     for unit in _SUGGESTIONS.get(column.role, ()):
         factor = unit_factor(unit, column.role)
         if column.role == "pressure" and not 10e3 <= worst * factor <= HIGHEST_PRESSURE:

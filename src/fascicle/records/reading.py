@@ -182,9 +182,7 @@ def _read_tables(
     name_pattern: str | None = None,
     default_length: float | None = None,
 ) -> list[Record]:
-    """Record of each selected table in a file's `raw` bytes; `info` of it, overruled by the
-    `name_pattern` and the `options`; `default_length` [m] of lengths without a rest length.
-    """
+    """Record of each selected table in a file's bytes; `info`: of its sidecar."""
     is_published = re.match(rb"\s*(\{|\[\s*[\[{])", raw) is not None
     selected = options.get("table") or info.table
     texts = {"": raw} if is_published else table_texts(raw, str(path), selected)
@@ -227,9 +225,7 @@ def _read_published(raw: bytes, source: str, info: Sidecar) -> Record:
 def _read_record(
     text: bytes, source: str, path: Path, info: Sidecar, default_length: float | None
 ) -> Record:
-    """Record of a table's text; `source`: its name in errors, `path`: of its file;
-    `default_length` [m]: of lengths without a rest length.
-    """
+    """Record of a table's text; `source`: its name in errors, `path`: of its file."""
     table = open_table(text, source, info.header, info.names, info.decimal)
     header_lines = (*table.remarks, *table.titles)
     remarks = [(match[1].lower(), match[2]) for match in map(_REMARK.match, header_lines) if match]
@@ -313,9 +309,7 @@ def _read_columns(table: Table, info: Sidecar) -> Readings:
 
 
 def _read_cells(readings: Readings, rows: tuple[int, int] | None) -> None:
-    """Read the cells of the columns; those of time and branch, inferred from the header, whose
-    cells are no times or branches are dropped.
-    """
+    """Read the cells of the columns; drop a time or branch that the header only seems to name."""
     import pandas as pd
 
     table, columns, info = readings.table, readings.columns, readings.info
@@ -351,9 +345,7 @@ def _numeric(columns: Mapping[str, Column]) -> dict[str, Column]:
 
 
 def _clocks(table: Table, columns: Sequence[int]) -> dict[int, int]:
-    """Index of the column of time that stands before each of the `columns` of numbers, else of the
-    first one; empty for a table without times.
-    """
+    """Index of the column of time before each of the `columns`, else of the first; or empty."""
     times = [i for i, name in enumerate(table.header)
              if name and score(name, table.units[i], "time") > 1 and i not in columns]  # fmt: skip
     return {i: max([times[0], *(time for time in times if time < i)]) for i in columns if times}
@@ -386,9 +378,7 @@ def _check_clocks(table: Table, clocks: list[int], rows: tuple[int, int] | None)
 
 
 def _resample(readings: Readings, rows: tuple[int, int] | None, step: float) -> None:
-    """Read the columns of numbers, each with its own clock, and interpolate them on one clock with
-    a `step` [s].
-    """
+    """Read the columns of numbers, interpolated on one clock with a `step` [s]."""
     import pandas as pd
 
     table, numbers = readings.table, _numeric(readings.columns)

@@ -93,9 +93,7 @@ def runs(record: Record) -> tuple[Run, ...]:
 
 
 def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], bool]:
-    """Sweeps at constant levels of one or two of the `kinds`, both branches of each as one run,
-    and a flag: true if they follow the rows' order.
-    """
+    """Sweeps at levels of one or two of the `kinds`, and true if they follow the rows' order."""
     values: dict[Kind, np.ndarray] = {kind: getattr(record, kind) for kind in _SWEPT}
     scales = {kind: float(np.max(np.abs(x))) for kind, x in values.items()}
     scales["strain"] = max(float(np.ptp(record.strain)), _LEAST_SPAN)
@@ -156,9 +154,7 @@ def _ordered_runs(
     free: np.ndarray,
     motion: float = _MIN_MOTION,
 ) -> list[Run]:
-    """Runs of consecutive readings at one level, short gaps closed, in which `free` moves by at
-    least `motion` times its range in the whole record.
-    """
+    """Runs of consecutive readings at one level, short gaps closed, in which `free` moves."""
     # close short gaps between readings at one level
     indices = np.arange(labels.size)
     before = np.maximum.accumulate(np.where(labels >= 0, indices, -1))

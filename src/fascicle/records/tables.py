@@ -207,9 +207,7 @@ class Table:
 
     @staticmethod
     def _word_rows(frame: "pd.DataFrame") -> np.ndarray:
-        """Mask of rows that begin with a word below one that begins with a number: of a mean and
-        the like.
-        """
+        """Mask of rows that begin with a word, as of a mean, below one with a number."""
         begins = frame[0].astype(str).tolist()
         start = next((i for i, text in enumerate(begins) if is_number(text or "0")), len(begins))
         is_word = [text[:1].isalpha() and not _is_hole(text) for text in begins]
@@ -217,9 +215,7 @@ class Table:
 
     @cached_property
     def _frame(self) -> "pd.DataFrame":
-        """Cells of the rows that are neither blank, remarks nor the header, by line of the file;
-        columns of numbers alone are numbers.
-        """
+        """Cells of the rows, without blank lines, remarks and headers, by line of the file."""
         require("pandas")
         import pandas as pd
 
@@ -388,9 +384,7 @@ def _headless(
 
 
 def _first_lines(lines: Sequence[str], source: str) -> tuple[list[tuple[int, str]], list[str]]:
-    """The first lines that are neither blank nor remarks with their numbers, and the remarks above
-    the first.
-    """
+    """The first lines with text by number, and the remarks above them."""
     head: list[tuple[int, str]] = []
     remarks: list[str] = []
     for number, text in enumerate(lines, 1):
@@ -591,9 +585,7 @@ def _may_be_thousands(cell: str) -> bool:
 
 
 def _has_integers_beside_thousands(rows: Sequence[list[str]]) -> bool:
-    """True if `1.010` stands in a column with `950`, or in the only column with signs beside
-    columns of integers: an instrument that writes three decimals writes `950.000`.
-    """
+    """True for `1.010` beside `950`: three decimals would be `950.000`."""
     columns = (filter(is_number, column) for column in zip_longest(*rows, fillvalue=""))
     grouped = [list(map(_may_be_thousands, column)) for column in columns]
     mixed = [column for column in grouped if any(column) and not all(column)]
