@@ -143,38 +143,34 @@ def _half_way(
     """Mean of both branches of one level, and DOWN less UP [N]; `None` without overlap."""
     by_pressure = branches[UP][0].kind == "pressure"
     free, level = ("strain", "pressure") if by_pressure else ("pressure", "strain")
-    indices = {side: np.concatenate([run.points for run in branches[side]]) for side in branches}
-    swept = {side: getattr(record, free)[indices[side]] for side in branches}
-    low = max(float(values.min()) for values in swept.values())
-    high = min(float(values.max()) for values in swept.values())
+    sides = [record.only(np.concatenate([run.points for run in branches[s]])) for s in (UP, DOWN)]
+    swept = [getattr(side, free) for side in sides]
+    low, high = max(float(x.min()) for x in swept), min(float(x.max()) for x in swept)
     if not low < high:
         return None
-    up, down = (np.unique(x[(x >= low) & (x <= high)]) for x in swept.values())
+    up, down = (np.unique(x[(x >= low) & (x <= high)]) for x in swept)
     grid, size = np.intersect1d(up, down), min(up.size, down.size)
     # a table with the same strains on both branches has its grid
     if not grid.size == size <= points:
         grid = np.linspace(low, high, max(min(points, size), 2))
-    names = ("force", "censored", level)
-    up, down = (
-        {
-            name: _values_on_grid(grid, swept[side], getattr(record, name)[rows].astype(float))
-            for name in names
-        }
-        for side, rows in indices.items()
+    (level_up, F_up, clipped_up), (level_down, F_down, clipped_down) = (
+        [_values_on_grid(grid, x, getattr(side, n)) for n in (level, "force", "censored")]
+        for side, x in zip(sides, swept, strict=True)
     )
     arrays = {
         free: grid,
-        level: (up[level] + down[level]) / 2,
-        "force": (up["force"] + down["force"]) / 2,
+        level: (level_up + level_down) / 2,
+        "force": (F_up + F_down) / 2,
         # one clipped neighbor is enough to censor the point between them
-        "censored": np.maximum(up["censored"], down["censored"]) > 0,
+        "censored": np.maximum(clipped_up, clipped_down) > 0,
         "branch": np.full(grid.size, UNKNOWN, dtype=np.int8),
     }
-    return replace(record, **arrays, time=None, moment_arm=None), down["force"] - up["force"]
+    return replace(record, **arrays, time=None, moment_arm=None), F_down - F_up
 
 
 def _values_on_grid(grid: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values on the `grid`, from readings at `x` in any order; dense ones are averaged in cells."""
+    values = values.astype(float)
     if x.size > _DENSE * grid.size:
         cells = np.searchsorted((grid[1:] + grid[:-1]) / 2, x)
     else:
@@ -185,8 +181,6 @@ def _values_on_grid(grid: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.n
     means = np.bincount(cells, weights=values)[filled] / counts[filled]
     if centers.size < 2:
         return np.full(grid.size, means[0])
-
-    def add_ends(row: np.ndarray) -> np.ndarray:  # the outer cells' means lie inside the grid
-        return np.concatenate([[2 * row[0] - row[1]], row, [2 * row[-1] - row[-2]]])
-
-    return np.interp(grid, add_ends(centers), add_ends(means))
+    # the outer cells' means lie inside the grid
+    x, values = (np.r_[2 * y[0] - y[1], y, 2 * y[-1] - y[-2]] for y in (centers, means))
+    return np.interp(grid, x, values)

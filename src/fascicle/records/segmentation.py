@@ -97,9 +97,9 @@ def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], b
     values: dict[Kind, np.ndarray] = {kind: getattr(record, kind) for kind in _SWEPT}
     scales = {kind: float(np.max(np.abs(x))) for kind, x in values.items()}
     scales["strain"] = max(float(np.ptp(record.strain)), _LEAST_SPAN)
-    width = _WINDOW if len(record) >= _LONG_RECORD else 1
-    smooth = {kind: _running_median(x, width) for kind, x in values.items()}
-    noise_share = 0.45 if width > 1 else 1.0  # a median of nine leaves 0.42 of the noise
+    smooth = {kind: _running_median(x) for kind, x in values.items()}
+    # a median of nine leaves 0.42 of the noise
+    noise_share = 0.45 if len(record) >= _LONG_RECORD else 1.0
     noisy = {
         kind: np.clip(_DEVIATIONS * noise_share * _noise(x), *np.multiply(_NOISY, scales[kind]))
         for kind, x in values.items()
@@ -128,20 +128,17 @@ def _find_stretches(record: Record, kinds: Sequence[Kind]) -> tuple[list[Run], b
                 stretch = stretch + second
         if _count_readings(stretch) >= _ORDERED * len(record):
             if first == "pressure":
-                # short sweeps, such as one at zero pressure, are no ramps: they show the gauge's
-                # zero
-                strain = smooth["strain"]
-                short = _ordered_runs(first, labels[first], record.pressure, strain, _SHORT)
+                # short sweeps, as at zero pressure, are no ramps: they show the gauge's zero
+                free = smooth["strain"]
+                short = _ordered_runs(first, labels[first], record.pressure, free, _SHORT)
                 stretch = stretch + _outside(record, stretch, short)
             return stretch, True
         if _count_readings(stretch) > _count_readings(best):
             best = stretch
     for labels in labelings:
         for kind in kinds:
-            order = np.argsort(labels[kind], kind="stable")
-            groups = np.split(order, np.flatnonzero(np.diff(labels[kind][order])) + 1)
-            groups = [points for points in groups if labels[kind][points[0]] >= 0]
-            sweeps = _runs_of(kind, groups, values[kind], values[_SWEPT[kind]], _MIN_MOTION)
+            order, free = np.argsort(labels[kind], kind="stable"), values[_SWEPT[kind]]
+            sweeps = _runs_of(kind, order, labels[kind], values[kind], free, _MIN_MOTION)
             if _count_readings(sweeps) >= _SORTED * len(record):
                 return sweeps, False
     return best, True
@@ -155,53 +152,47 @@ def _ordered_runs(
     motion: float = _MIN_MOTION,
 ) -> list[Run]:
     """Runs of consecutive readings at one level, short gaps closed, in which `free` moves."""
-    # close short gaps between readings at one level
     indices = np.arange(labels.size)
     before = np.maximum.accumulate(np.where(labels >= 0, indices, -1))
     after = np.minimum.accumulate(np.where(labels >= 0, indices, labels.size)[::-1])[::-1]
     gap = (labels < 0) & (before >= 0) & (after < labels.size) & (after - before <= _WINDOW)
     gap &= labels[before] == labels[np.minimum(after, labels.size - 1)]
-    labels = np.where(gap, labels[before], labels)
-    groups = np.split(indices, np.flatnonzero(np.diff(labels)) + 1)
-    groups = [points for points in groups if labels[points[0]] >= 0]
-    return _runs_of(kind, groups, values, free, motion)
+    return _runs_of(kind, indices, np.where(gap, labels[before], labels), values, free, motion)
 
 
 def _runs_of(
-    kind: Kind, groups: list[np.ndarray], values: np.ndarray, free: np.ndarray, motion: float
-) -> list[Run]:
-    """Runs of the groups of indices in which `free` moves by `motion` times its span."""
+    kind: Kind, order: np.ndarray, labels: np.ndarray, values: np.ndarray, free: np.ndarray,
+    motion: float,
+) -> list[Run]:  # fmt: skip
+    """Runs of one label in the `order` of rows; `free` moves by `motion` times its span in them."""
+    groups = np.split(order, np.flatnonzero(np.diff(labels[order])) + 1)
     min_motion = motion * np.ptp(free)
     return [
         Run(kind, float(np.median(values[points])), points, UNKNOWN)
         for points in groups
-        if points.size >= _MIN_READINGS and np.ptp(free[points]) >= min_motion > 0
+        if labels[points[0]] >= 0
+        and points.size >= _MIN_READINGS
+        and np.ptp(free[points]) >= min_motion > 0
     ]
 
 
 def _split_branches(record: Record, run: Run, ordered: bool) -> list[Run]:
     """The run's branches, each a run."""
-    branches = record.branch[run.points]
+    points, branches = run.points, record.branch[run.points]
     if np.any(branches != UNKNOWN):
-        if not ordered:
-            return [
-                replace(run, points=run.points[branches == branch], branch=branch)
-                for branch in (UP, DOWN, UNKNOWN)
-                if np.any(branches == branch)
-            ]
-        pieces = np.split(run.points, np.flatnonzero(np.diff(branches)) + 1)
-        return [replace(run, points=p, branch=int(record.branch[p[0]])) for p in pieces]
+        order = np.arange(points.size) if ordered else np.argsort(branches, kind="stable")
+        pieces = np.split(points[order], np.flatnonzero(np.diff(branches[order])) + 1)
+        return [replace(run, points=piece, branch=int(record.branch[piece[0]])) for piece in pieces]
     if not ordered:
         return [run]
-    free = (record.strain if run.kind == "pressure" else record.pressure)[run.points]
-    width = _WINDOW if free.size >= _LONG_RECORD else 1
-    free, noise = _running_median(free, width), _noise(free)
+    free = (record.strain if run.kind == "pressure" else record.pressure)[points]
+    free, noise = _running_median(free), _noise(free)
     edges = _turning_points(free, max(_MIN_RETURN * np.ptp(free), _DEVIATIONS * noise))
-    pieces = np.split(np.arange(free.size), edges)
-    rises = [free[piece[-1]] > free[max(int(piece[0]) - 1, 0)] for piece in pieces]
+    starts, ends = [0, *(edges - 1)], [*(edges - 1), free.size - 1]
+    rises = free[ends] > free[starts]
     return [
-        replace(run, points=run.points[piece], branch=UP if rising else DOWN)
-        for piece, rising in zip(pieces, rises, strict=True)
+        replace(run, points=piece, branch=UP if rising else DOWN)
+        for piece, rising in zip(np.split(points, edges), rises, strict=True)
     ]
 
 
@@ -247,13 +238,13 @@ def _count_readings(segments: Sequence[Run]) -> int:
     return sum(run.points.size for run in segments)
 
 
-def _running_median(values: np.ndarray, width: int) -> np.ndarray:
-    """Running median over `width` readings: noise falls, steps stay where they are."""
-    if width < 3 or values.size < width:
+def _running_median(values: np.ndarray) -> np.ndarray:
+    """Running median of many readings: noise falls, steps stay where they are."""
+    if values.size < _LONG_RECORD:
         return values
     from scipy.ndimage import median_filter
 
-    return median_filter(values, width, mode="nearest")
+    return median_filter(values, _WINDOW, mode="nearest")
 
 
 def _noise(values: np.ndarray) -> float:
