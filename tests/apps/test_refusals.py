@@ -35,7 +35,7 @@ LINES = [
     # muscles, bundles, scenarios and tasks
     ("force nowhere.toml", "nowhere.toml: no such file"),
     ("force kim2021_figur_6", "did you mean kim2021_figure_6?"),
-    (f"force {'x' * 300}", "no such file"),
+    (f"force {'x' * 300}", "neither a file nor a named"),
     (f"force {PAIR}", "use `fascicle bundle`"),
     (f"bundle {SIX}", "--pressure is required"),
     ("force lift_gas", "fascicle simulate"),

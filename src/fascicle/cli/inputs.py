@@ -1,7 +1,6 @@
 """Inputs of commands: muscles, bundles, scenarios, quantities; loading of the laws."""
 
 import contextlib
-import difflib
 import itertools
 import logging
 import math
@@ -14,7 +13,6 @@ from typing import Any
 import fascicle as fs
 
 from .. import files
-from ..io.sanitize import sanitize_line
 from ..units import parse_list
 from .errors import UserError, user_errors
 from .terminal import status
@@ -59,29 +57,24 @@ def read_target(target: str) -> Any:
     """Read a `Muscle` or `Bundle` by path or shipped name; a file of that name comes first."""
     if not is_path(target) and target in files.scenarios():
         raise UserError(f"{target}: a scenario, not a muscle or bundle: use `fascicle simulate`.")
-    _check_target(target, files.named_muscles())
-    load_laws()
-    from ..files.muscle_files import load_muscle  # `files.load` reads scenarios, too: needs JAX
-
     with user_errors():
-        return load_muscle(target) if is_path(target) else files.example(target)
+        text = None if is_path(target) else files.example_text(target)
+        load_laws()
+        from ..files.muscle_files import load_muscle, loads  # scenarios would need JAX
+
+        return load_muscle(target) if text is None else loads(text, target)
 
 
 def read_scenario(target: str) -> Any:
     """Read a `Scenario` by path or name; a file of that name comes first."""
-    _check_target(target, list(files.scenarios()))
-    load_laws()  # the settings of JAX, which scenarios import
     with user_errors():
-        return files.load_scenario(target) if is_path(target) else files.example(target)
-
-
-def _check_target(target: str, names: list[str]) -> None:
-    """Refuse a target that is neither a path nor one of the `names`."""
-    if is_path(target) or target in names:
-        return
-    matches = difflib.get_close_matches(target, names, n=1, cutoff=0.5)  # half of the letters
-    hint = f"did you mean {matches[0]}?" if matches else f"choose one of {', '.join(names)}."
-    raise UserError(f"{sanitize_line(target, 100)}: no such file, nor an example: {hint}")
+        if not is_path(target):
+            files.example_text(target)  # refuses an unknown name
+        load_laws()  # the settings of JAX, which scenarios import
+        scenario = files.load_scenario(target) if is_path(target) else files.example(target)
+    if not isinstance(scenario, files.Scenario):
+        raise UserError(f"{target}: no scenario: choose one of {', '.join(files.scenarios())}.")
+    return scenario
 
 
 def is_path(target: str) -> bool:

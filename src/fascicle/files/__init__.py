@@ -73,7 +73,7 @@ def example_text(name: str) -> str:
         similar = difflib.get_close_matches(str(name), kinds, n=1, cutoff=_SIMILARITY)
         hint = f"choose one of {', '.join(sorted(kinds))}."
         hint = f"did you mean {similar[0]}?" if similar else hint
-        raise ValueError(f"no example is named {str(name)[:60]!r}: {hint}")
+        raise ValueError(f"{str(name)[:60]!r} is neither a file nor a named example: {hint}")
     return shipped_text(kinds[name], name)
 
 

@@ -1,12 +1,19 @@
-"""Scenario files: from TOML to a plant, its commands or controller, and its initial state."""
+"""Scenario files: from TOML to a plant, its commands or controller, and its initial state.
+
+A part's table holds the arguments of its class, which its `kind` chooses; the unit of each key is
+that of the class's field.
+"""
 
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+import attrs
 import numpy as np
+from pydantic import BaseModel, Field, StrictBool, StrictInt, create_model
 
 from .. import dynamics, fluid
 from ..bundle import Bundle
@@ -16,10 +23,10 @@ from ..core.findings import Finding
 from ..core.validation import check_choice, distinct_texts
 from ..dynamics import Plant, Schedule, State, Trajectory
 from ..fluid.flow_elements import REFERENCE_DENSITY
-from ..table_model import validate
+from ..table_model import Quantity, TableModel, did_you_mean, validate
+from ..units import dimension_of_unit, quantity_example
 from .muscle_files import from_dict, load_named, parse_file, provenance, read_file
-from .scenario_schema import DATA_SHEET, INNER, PARTS, choose_schema
-from .schema import FileLocation, check_kind
+from .schema import Angle, FileLocation, Force, Length, Number, Pressure, check_kind
 
 
 if TYPE_CHECKING:  # a scenario without control loads none of it
@@ -33,12 +40,233 @@ _STEP = 1e-3  # s: resolves valves and muscles
 _ROUNDING = 1e-6  # of a step, by which rounding may shift a time
 _SPRINGS = ("kind", "stiffness", "slip_force", "slip_force_slope")
 _ACCUMULATORS = (fluid.Accumulator, fluid.PumpedAccumulator)
-# figures of a data sheet, to the conductance C
-_CONVERSIONS = {
-    "nominal_flow": fluid.conductance_from_nominal_flow,
-    "Kv": fluid.conductance_from_kv,
-    "Cv": fluid.conductance_from_cv,
+# figures of a valve's data sheet, their dimensions and conversions to the conductance C; nominal
+# flow: 6 to 5 bar gauge, normal liters
+_DATA_SHEET = {
+    "nominal_flow": ("volume_flow", fluid.conductance_from_nominal_flow),
+    "Kv": ("volume_flow", fluid.conductance_from_kv),
+    "Cv": ("number", fluid.conductance_from_cv),
 }
+
+
+# of a part whose quantities are lengths, or angles where its load turns
+_LINEAR_DIMENSIONS = {"low": "length", "high": "length"}
+_ROTARY_DIMENSIONS: dict[str, str] = dict.fromkeys(("low", "high", "position"), "angle")
+_ROTARY_DIMENSIONS |= {"damping": "angular_damping", "stiffness": "angular_stiffness"}
+_NAME: tuple[Any, Any] = (str | None, None)
+_INNER = {"stop": dynamics.Stop, "line": fluid.Line}  # tables in a part's table
+
+
+class _Part(NamedTuple):
+    """A part of a plant, one of the classes in `kinds`."""
+
+    key: str  # by which the class is chosen
+    kinds: Mapping[str, type]
+    default: str = ""  # name of the class if the file has none
+    supplied: tuple[str, ...] = ()  # arguments that don't come from its table
+    optional: bool = False  # if the table may be missing
+    many: bool = True  # if its numbers may be a list, one for each motor unit, spring, …
+
+
+_VALVES = {"sonic_valve": fluid.SonicValve, "orifice": fluid.Orifice}
+_ROOM = ("room_pressure", "room_temperature", "gas", "liquid")
+_LOADS = {
+    "hanging_mass": dynamics.HangingMass,
+    "inertia_spring_damper": dynamics.InertiaSpringDamper,
+    "antagonistic_joint": dynamics.AntagonisticJoint,
+    "prescribed_motion": dynamics.PrescribedMotion,
+}
+_CHAMBERS = {
+    "adiabatic_wall": fluid.AdiabaticWall,
+    "isothermal": fluid.Isothermal,
+    "liquid": fluid.LiquidChamber,
+}
+_SUPPLIES = {
+    "constant": fluid.ConstantSupply,
+    "tank": fluid.Tank,
+    "accumulator": fluid.Accumulator,
+    "pumped": fluid.PumpedAccumulator,
+}
+_SPOOLS = {"direct": fluid.Direct, "servovalve": fluid.Servovalve, "solenoid": fluid.Solenoid}
+_FRICTION = {
+    "maxwell_slip": dynamics.MaxwellSlip,
+    "dahl": dynamics.Dahl,
+    "coulomb": dynamics.Coulomb,
+}
+_PARTS = {
+    "load": _Part("kind", _LOADS, many=False),
+    "fluid": _Part("chamber", _CHAMBERS, supplied=("gas", "liquid")),
+    "supply": _Part("kind", _SUPPLIES, supplied=(*_ROOM, "chamber"), many=False),
+    "valve": _Part("kind", _VALVES),
+    "exhaust_valve": _Part("kind", _VALVES, optional=True),
+    "spool": _Part("kind", _SPOOLS, "direct", optional=True),
+    "hysteresis": _Part("kind", _FRICTION, optional=True),
+}
+_NAMELESS = _Part("", {}, supplied=("liquid",), many=False)  # a table of one class: [load.stop]
+
+
+class CommandSection(TableModel):
+    """`[[schedule]]`: from a time on, a command for each valve, or one for all of them."""
+
+    time: Annotated[float, Quantity("time")] = Field(examples=['"0 s"'])
+    command: Annotated[Any, Quantity("number", many=True)] = Field(examples=["[1, 0]"])
+
+
+_Time = Annotated[float, Quantity("time")]
+_NotNegative = Field(None, ge=0)
+_Positive = Field(None, gt=0)
+
+
+class RunSection(TableModel):
+    """`[run]`."""
+
+    duration: _Time = Field(gt=0, examples=[quantity_example("time")])
+    dt: _Time | None = _Positive
+    law: str | None = None
+    volume: str | None = None
+    pressures: Annotated[Any, Quantity("pressure", many=True)] = None
+    position: Length | None = None
+
+
+class JointRunSection(RunSection):
+    """`[run]` of a joint."""
+
+    position: Angle | None = None
+
+
+class ScenarioTables(TableModel):
+    """Keys of each scenario; the tables of its parts depend on their kinds."""
+
+    format: StrictInt = Field(examples=["1"])
+    name: str | None = None
+    source: str | None = None
+    bundle: Any = None
+    muscle: Any = None
+
+
+class Control(TableModel):
+    """`[control]`: policy of recruitment, and gains of the cascade."""
+
+    policy: str = Field(examples=['"hand_over"'])
+    compensate: StrictBool | None = None
+    model: Any = None
+    band: Force | None = None
+    co_contraction: Force | None = None
+    highest_pressure: Pressure | None = None
+    flow_limit: Number | None = None
+    sample_time: _Time | None = None
+    delay: _Time | None = None
+    position_gain: Annotated[float, Quantity("stiffness")] | None = _NotNegative
+    velocity_gain: Annotated[float, Quantity("damping")] | None = _NotNegative
+    integral_time: _Time | None = _Positive
+    force_gain: Number | None = _NotNegative
+    force_integral_time: _Time | None = _Positive
+    pressure_time: _Time | None = _Positive
+
+
+class JointControl(Control):
+    """`[control]` of a joint."""
+
+    position_gain: Annotated[float, Quantity("angular_stiffness")] | None = _NotNegative
+    velocity_gain: Annotated[float, Quantity("angular_damping")] | None = _NotNegative
+
+
+class Demand(TableModel):
+    """`[[demand]]`: force or position at a time, between which it is linear."""
+
+    time: _Time = Field(examples=['"0 s"'])
+    force: Force | None = None
+    position: Length | None = None
+
+
+class JointDemand(Demand):
+    """`[[demand]]` of a joint: a torque, or an angle."""
+
+    force: Annotated[float, Quantity("moment")] | None = None
+    position: Angle | None = None
+
+
+def _choose_schema(
+    data: Mapping[str, Any], location: FileLocation
+) -> tuple[type[BaseModel], dict[str, type]]:
+    """Schema for the kinds of parts in a file's tables, and the class of each part by its key.
+
+    Raises a `ValueError`, in one line, for an unknown kind.
+    """
+    classes = {
+        name: _class(name, part, data[name], location)
+        for name, part in _PARTS.items()
+        if isinstance(data.get(name), dict)
+    }
+    rotary = classes.get("load") is dynamics.AntagonisticJoint
+    keys: dict[str, Any] = {}
+    for name, part in _PARTS.items():
+        table: Any = TableModel
+        if name in classes:
+            table = _table_model(part, classes[name], rotary and name == "load")
+        required = (table, Field(examples=[f"[{name}]"]))
+        keys[name] = (table | None, None) if part.optional else required
+    run, control, demand = RunSection, Control, Demand
+    if rotary:
+        run, control, demand = JointRunSection, JointControl, JointDemand
+    keys["run"] = (run, Field(examples=["[run]"]))
+    if isinstance(data.get("control"), dict):
+        keys["control"] = (control, Field(examples=["[control]"]))
+        keys["demand"] = (list[demand], Field(examples=["[[demand]]"]))
+    else:
+        keys["schedule"] = (list[CommandSection], Field(examples=["[[schedule]]"]))
+    return create_model("ScenarioFileSection", __base__=ScenarioTables, **keys), classes
+
+
+def _key(dimension: str, many: bool, required: bool) -> tuple[Any, Any]:
+    """Type and default of a key."""
+    kind: Any = Annotated[Any, Quantity(dimension, many)]
+    return kind, Field(examples=[quantity_example(dimension)]) if required else None
+
+
+def _table_model(part: _Part, kind: type, rotary: bool = False) -> type[TableModel]:
+    """Table of a class: the arguments of its constructor."""
+    keys: dict[str, Any] = {part.key: _NAME} if part.key else {}
+    if kind is fluid.PumpedAccumulator:
+        pump = _table_model(_NAMELESS, fluid.FixedPump)
+        keys["pump"] = (pump, Field(examples=["[supply.pump]"]))
+        kind = fluid.Accumulator
+    dimensions = _ROTARY_DIMENSIONS if rotary else _LINEAR_DIMENSIONS
+    units = {field.name: field.metadata.get("unit", "") for field in attrs.fields(kind)}
+    for name, parameter in signature(kind).parameters.items():
+        if name in _INNER:
+            inner: Any = _table_model(_NAMELESS, _INNER[name], rotary)
+            keys[name] = (inner | None, None)
+        elif name not in part.supplied:
+            dimension = dimensions.get(name) or dimension_of_unit(units[name])
+            if dimension is None:
+                raise TypeError(f"{kind.__name__}.{name} declares no unit.")
+            keys[name] = _key(dimension, part.many, parameter.default is Parameter.empty)
+    if kind is fluid.SonicValve:
+        keys["C"] = _key("sonic_conductance", part.many, False)
+        keys |= {name: _key(x, part.many, False) for name, (x, _) in _DATA_SHEET.items()}
+    if kind is fluid.Tank:  # the tank's wall, apart from that of the chambers
+        keys["conductance"] = _key("wall_conductance", False, False)
+    if part is _PARTS["fluid"]:
+        keys["medium"] = _NAME
+    return create_model(f"{kind.__name__}Section", __base__=TableModel, **keys)
+
+
+def _class(name: str, part: _Part, table: Mapping[str, Any], location: FileLocation) -> type:
+    """Class of a part, by the name in its table."""
+    kind = table.get(part.key, part.default or None)
+    if name == "fluid" and kind is None:
+        kind = "liquid" if table.get("medium") in ("oil", "water") else "adiabatic_wall"
+    choices = ", ".join(part.kinds)
+    if kind is None:
+        rule = f"missing, write {part.key} = one of {choices}."
+    elif not isinstance(kind, str):
+        rule = f"must be a name in quotes, one of {choices}."
+    elif kind not in part.kinds:
+        rule = f"there is none{did_you_mean(kind, part.kinds)}"
+    else:
+        return part.kinds[kind]
+    raise location.error((name, part.key), rule)
 
 
 class ScenarioControl(NamedTuple):
@@ -146,7 +374,7 @@ def scenario_from_dict(
     check_kind(data, "scenario", source)
     root = FileLocation(source, data, kind="scenario")
     data = _with_measured_friction(data, root, folder)
-    schema, classes = choose_schema(data, root)
+    schema, classes = _choose_schema(data, root)
     file: Any = validate(schema, data, source)
     bundles = _bundles(data, source, root, folder)
     tables = {
@@ -243,7 +471,7 @@ def _check_list_lengths(
         if classes[name] is dynamics.MaxwellSlip:
             items, count = "springs", np.size(table.get("stiffness", 0))
         for key, value in table.items():
-            if PARTS[name].many and isinstance(value, np.ndarray) and len(value) != count:
+            if _PARTS[name].many and isinstance(value, np.ndarray) and len(value) != count:
                 rule = f"must be one value, or a list of one for each of the {items}, {count}"
                 raise root.error((name, key), f"{rule}, got {len(value)}.")
 
@@ -301,8 +529,8 @@ def _parts(
     parts: dict[str, Any] = {}
     for key, table in tables.items():
         kind, location = classes[key], root.child(key, kind="part")
-        for inner in INNER.keys() & table.keys():
-            table[inner] = location.child(inner, kind="part").call(INNER[inner], **table[inner])
+        for inner in _INNER.keys() & table.keys():
+            table[inner] = location.child(inner, kind="part").call(_INNER[inner], **table[inner])
         if kind is fluid.Orifice and not gas:
             table.setdefault("density", float(medium.reference_density))
         if kind is fluid.SonicValve:
@@ -321,12 +549,13 @@ def _parts(
 
 def _convert_data_sheet(table: dict[str, Any], location: FileLocation) -> None:
     """Replace a data sheet's figure by the conductance C, in the values of a valve's table."""
-    keys = [key for key in ("C", *DATA_SHEET) if key in table]
+    keys = [key for key in ("C", *_DATA_SHEET) if key in table]
     if len(keys) != 1:
         rule = "give the valve's C, or one of nominal_flow (6 to 5 bar gauge), Kv and Cv"
         raise location.error((keys[-1] if keys else "C",), f"{rule}, one of them.")
     if keys != ["C"]:
-        table["C"] = location.call(_CONVERSIONS[keys[0]], table.pop(keys[0]), table["b"])
+        convert = _DATA_SHEET[keys[0]][1]
+        table["C"] = location.call(convert, table.pop(keys[0]), table["b"])
 
 
 def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> Any:
@@ -352,10 +581,9 @@ def _supply(
     if kind is fluid.Tank and not gas:
         rule = "it holds a gas: take constant, accumulator or pumped for a liquid."
         raise location.error(("kind",), rule)
-    pump = None
-    if "pump" in table:
-        values = {**table.pop("pump"), "liquid": medium}
-        pump = location.child("pump", kind="part").call(fluid.FixedPump, **values)
+    pump = table.pop("pump", None)
+    if pump is not None:
+        pump = location.child("pump", kind="part").call(fluid.FixedPump, **pump, liquid=medium)
     with location.error_context():
         if holds_liquid:
             store = fluid.Accumulator(**table, liquid=medium, **room)

@@ -34,7 +34,6 @@ DASHES = ((), (6, 2), (1.5, 1.5), (6, 1.5, 1.5, 1.5), (10, 2), (6, 1.5, 1.5, 1.5
 SANS = '"DejaVu Sans", Verdana, "Bitstream Vera Sans", sans-serif'
 MONO = '"DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace'
 FIGURES = "DejaVu Sans"  # comes with matplotlib: the same on every machine
-CODE_FIGURES = "DejaVu Sans Mono"  # of code in figures, which comes with matplotlib, too
 
 # of a page, in pixels: sizes of text, widths of gaps, and the roundness of corners
 SMALL, TEXT, LARGE, TITLE = 13, 14, 16, 22
