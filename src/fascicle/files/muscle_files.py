@@ -177,13 +177,13 @@ def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> 
     elif isinstance(sections, str | dict) and not _are_named(sections):
         data = data | {"muscle": {"": sections}}
     file = validate(schema.MuscleFile, data, source)
-    root = FileLocation(source, data)
-    muscles = {
-        name: _named_muscle(section, root.child("muscle", name), folder)
-        if isinstance(section, str)
-        else _muscle(section, root.child("muscle", name, kind="muscle"))
-        for name, section in file.muscle.items()
-    }
+    root, muscles = FileLocation(source, data), {}
+    for name, section in file.muscle.items():
+        location = root.child("muscle", name, kind="muscle")
+        if isinstance(section, str):
+            muscles[name] = _named_muscle(section, location._replace(kind=""), folder)
+        else:
+            muscles[name] = _muscle(section, location)
     if len(muscles) == 1:
         ((name, muscle),) = muscles.items()
         muscles = {name: _with_fitted_length(muscle, data.get(_CALIBRATION), root)}
@@ -237,10 +237,10 @@ def _muscle(section: schema.MuscleSection, location: FileLocation) -> Muscle:
             arguments[kind] = _law(kind, law, location.child(kind, kind=kind))
     if section.tuning is not None:
         arguments["tuning"] = _tuning(section.tuning, location.child("tuning", kind="tuning"))
-    if isinstance(section.material, str):
-        arguments["material"] = section.material
-    elif section.material is not None:
-        arguments["material"] = _material(section.material, location.child("material"))
+    if isinstance(material := section.material, dict):
+        material = _material(material, location.child("material"))
+    if material is not None:
+        arguments["material"] = material
     return location.call(Muscle, **arguments)
 
 

@@ -172,14 +172,8 @@ def _task(section: schema.TaskSection, location: FileLocation) -> Task:
             scheme = scheme_of(section.scheme or task.scheme)
             fluid = check_choice(section.fluid or "air", FLUIDS, "fluid")
             return replace(task, scheme=scheme, fluid=fluid)
-    if "strain" in values and "stroke" in values:
-        rule = "`strain` is there too, and gives the same for bundles of one length: keep one."
-        raise location.error(("stroke",), rule)
     if "force" not in values:
         raise location.error(("force",), 'missing, write force = […], or example = "…".')
-    if "strain" not in values and "stroke" not in values:
-        rule = 'missing, write strain = […] (or stroke = ["25 mm", …]), or example = "…".'
-        raise location.error(("strain",), rule)
     if "time" in values and "weight" in values:
         rule = "points in time count for as long as they last: drop it."
         raise location.error(("weight",), rule)
@@ -287,38 +281,33 @@ def _uncertainty(
     folder: Path,
     probability: float,
 ) -> Uncertainty:
-    deviations = section.model_dump(
-        exclude_none=True, include={"length", "wall_thickness", "braid_angle", "model_error"}
-    )
+    others = {"enabled", "draws", "calibrated"}
+    deviations = section.model_dump(exclude_none=True, exclude=others)
+    usual, basis = attrs.asdict(USUAL_SCATTER), Uncertainty.basis
     errors = [_fit_errors(name, folder).get("relative_rmse") for name in design.muscle]
     errors = [error for error in errors if isinstance(error, float) and 0 <= error < 1]
     # a catalog's products have other sizes than what was measured
-    fitted = design.catalog is None and len(errors) == len(design.muscle)
-    basis = "error of the fit" if fitted else Uncertainty.basis
-    usual = attrs.asdict(USUAL_SCATTER)
-    if fitted:
-        usual["model_error"] = max(errors)
-    name, single = design.muscle[0], len(design.muscle) == 1 and not design.catalog
-    path, is_own_law = folder / name, design.buckling is None
+    if design.catalog is None and len(errors) == len(design.muscle):
+        usual["model_error"], basis = max(errors), "error of the fit"
+    basis = "given" if "model_error" in deviations else basis
+    name, calibrated, muscles = design.muscle[0], section.calibrated, None
+    path = folder / name
+    obstacles = {
+        "needs one muscle and no catalog": len(design.muscle) > 1 or design.catalog,
+        f"needs a muscle file, {name!r} is none": not path.exists(),
+        "constants hold for their own law: drop [design] buckling": design.buckling is not None,
+    }
+    obstacle = next((rule for rule, applies in obstacles.items() if applies), "")
     with location.error_context():
         scatter = DesignScatter(**usual | deviations)
-        calibrated, muscles = section.calibrated, None
         if calibrated is None:
-            drawable = single and path.exists() and is_own_law
-            calibrated = drawable and "covariance" in provenance(path)
+            calibrated = not obstacle and "covariance" in provenance(path)
         if calibrated:
-            if not single:
-                raise InvalidInputError("calibrated", "needs one muscle and no catalog", None)
-            if not path.exists():
-                rule = f"needs a muscle file, {name!r} is none"
-                raise InvalidInputError("calibrated", rule, None)
-            if not is_own_law:
-                rule = "constants hold for the law they were fitted with"
-                raise InvalidInputError("calibrated", rule, None, "drop [design] buckling")
+            if obstacle:
+                raise InvalidInputError("calibrated", obstacle, None)
             from .calibration_files import sample_muscles
 
             muscles = sample_muscles(path)
-    basis = "given" if "model_error" in deviations else basis
     draws = section.draws or Uncertainty.draws
     return Uncertainty(scatter, draws, muscles, probability, basis)
 
@@ -332,12 +321,16 @@ def _catalog(
     prices: dict[str, Price] = {key: price for key, price in section if price is not None}
     products, currency = (offer.products, offer.currency) if offer else ({}, "")
     for key, price in prices.items():
-        currency = currency or price.currency
-        if price.currency != currency:
-            rule = f"another price is in {currency}: give all in one currency."
-            raise location.error((key,), rule)
+        currency = _common_currency(currency, price, location.child(key))
     amounts = {key: price.amount for key, price in prices.items()}
     return Catalog(products, currency, density=density, **amounts)
+
+
+def _common_currency(currency: str, price: Price | None, location: FileLocation) -> str:
+    """The `currency` of prices so far, "" of none, or the first price's; refuses another one."""
+    if price is None or currency in ("", price.currency):
+        return price.currency if price else currency
+    raise location.error((), f"another price is in {currency}: give all in one currency.")
 
 
 def _offer(section: DesignSection, location: FileLocation, folder: Path) -> Offer | None:
@@ -375,8 +368,7 @@ def _build_offer(
 ) -> Offer:
     drawings: dict[str, Muscle] = {}
     products: dict[str, Product] = {}
-    currencies: dict[str, FileLocation] = {}
-    notes: list[str] = []
+    notes, currency = list[str](), ""
     borrowed: dict[str, list[str]] = {}  # products by what they take from a base
     for i, section in enumerate(products_on_sale):
         location, base_name = catalog.child(i, kind="catalog"), section.muscle or design.muscle[0]
@@ -391,8 +383,7 @@ def _build_offer(
             end = "" if high == float("inf") else f" to {1e3 * high:g}"
             notes.append(f"{section.name} isn't made {missing} mm long, but {1e3 * low:g}{end} mm.")
         for price in (section.price, section.price_per_length):
-            if price is not None:
-                currencies.setdefault(price.currency, location)
+            currency = _common_currency(currency, price, location)
         for length in available:
             name = f"{section.name}, {1e3 * length:.6g} mm"
             if name in drawings:
@@ -404,13 +395,10 @@ def _build_offer(
         borrowed.setdefault(f"{_borrowed_sizes(section)} of {base_name}.", []).append(section.name)
         if len(drawings) > _MAX_DRAWINGS:
             raise catalog.error((), f"holds more than {_MAX_DRAWINGS} products and lengths.")
-    if len(currencies) > 1:
-        rule = f"prices in {' and '.join(currencies)}: give all in one currency."
-        raise list(currencies.values())[1].error((), rule)
     if not drawings:
         raise catalog.error((), f"none of its products is available: {' '.join(notes)}")
     notes += [f"{', '.join(names)}: {sizes}" for sizes, names in borrowed.items()]
-    return Offer(drawings, products, next(iter(currencies), ""), tuple(notes))
+    return Offer(drawings, products, currency, tuple(notes))
 
 
 def _borrowed_sizes(section: ProductSection) -> str:

@@ -147,8 +147,12 @@ def test_invalid_task_files_are_one_line(refusal, more, message):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("strain =", 'stroke = "25 mm"\nstrain =', 'task.stroke = "25 mm": `strain` is there too'),
-        ('strain = [0.16, "5 %"]\n', "", "task.strain: missing, write strain = […] (or stroke"),
+        (
+            "strain =",
+            'stroke = "25 mm"\nstrain =',
+            'task.stroke = "25 mm": `stroke` in m or `strain`',
+        ),
+        ('strain = [0.16, "5 %"]\n', "", "task.stroke: `stroke` in m or `strain` must give"),
         ('strain = [0.16, "5 %"]', 'stroke = "0 mm"', "this task does no work"),
     ],
 )
