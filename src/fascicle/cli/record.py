@@ -47,7 +47,7 @@ DATA = argument(
 class CalibrateCommand(Command):
     """The command whose help also lists the names for `--fit` and `--prior`."""
 
-    def format_epilog(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002 as click calls it
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:
         """Write the names after the options."""
         load_laws()  # for the help alone
         from ..calibrate.parameters import parameter_descriptions

@@ -62,13 +62,13 @@ def _simulate(
     study: "files.Scenario", outputs: Outputs, report: str | None, bode: str | None
 ) -> int:
     """Run a scenario once, print and write the results; returns the exit code."""
-    from ..dynamics.audit import audit_run
     from ..report import simulation as pages
 
     steps = f"{study.duration:g} s in {round(study.duration / study.dt)} steps"
     with status(f"simulating {steps}"), user_errors():
         result = study.run()
-    balances, doubts = audit_run(study.plant, result)
+    audit = fs.dynamics.audit(study.plant, result)
+    doubts = audit.doubts
     control = study.control
     controlled = (control.controller, control.reference) if control else (None, None)
 
@@ -81,14 +81,14 @@ def _simulate(
     if doubts:
         notes = [*notes, f"can't be trusted: {'; '.join(doubts)}"]
     outputs.write(
-        fs.tables.simulated(study.plant, result, balances, *controlled),
-        lambda: _print(study, result, balances, doubts),
+        fs.tables.simulated(study.plant, result, audit, *controlled),
+        lambda: _print(study, result, audit),
         figure,
         title=f"Simulation of {study.name}",
         notes=" ".join(notes),
     )
     if report is not None:
-        _write_report(report, outputs, pages.report(study, result, balances, doubts, today()))
+        _write_report(report, outputs, pages.report(study, result, audit, today()))
     if bode is not None:
         from ..plot.frequency import bode as draw_bode
 
@@ -104,7 +104,6 @@ def _compare_policies(study: "files.Scenario", outputs: Outputs, report: str | N
     """Run all policies on one scenario; returns the exit code."""
     if study.control is None:
         raise UserError(f"--compare: {study.name} is commanded by a schedule; it needs [control].")
-    from ..dynamics.audit import audit_run
     from ..plot.trajectory import policies
     from ..report import simulation as pages
 
@@ -115,7 +114,7 @@ def _compare_policies(study: "files.Scenario", outputs: Outputs, report: str | N
             with user_errors():
                 variant = study.with_policy(policy)
                 result = variant.run()
-            _, doubts = audit_run(variant.plant, result)
+            doubts = fs.dynamics.audit(variant.plant, result).doubts
             tracking = pages.run_demand(variant, result)
             assert tracking is not None
             assert variant.control is not None
@@ -171,18 +170,16 @@ def _print_doubts(doubts: dict[str, list[str]]) -> int:
 def _print(
     study: "files.Scenario",
     result: "fs.dynamics.Trajectory",
-    audited: "fs.dynamics.Audit | None",
-    doubts: list[str],
+    audit: "fs.dynamics.Audit",
 ) -> None:
     from ..report import simulation as pages
 
     plant, control = study.plant, study.control
-    balances = audited.balances if audited else ()
+    balances = audit.balances
     steps = f"{len(result.time) - 1} steps of {1e3 * study.dt:g} ms"
     closed = sum(balance.closes for balance in balances)
-    verdict = "can't be trusted" if doubts else "can be trusted"
-    if balances:
-        verdict += f": {closed} of {len(balances)} balances close"
+    verdict = "can be trusted" if audit.closes else "can't be trusted"
+    verdict += f": {closed} of {len(balances)} balances close"
     print_text(f"{study.name}: {result.time[-1]:g} s in {steps}; the run {verdict}.")
     print_text(f"{pages.control_text(study)}.")
     rows = []
@@ -193,20 +190,19 @@ def _print(
             print_text(f"note: {message}")
     for note in pages.scenario_notes(study):
         print_text(f"note: {note}")
-    for event in fs.dynamics.events(result):
+    for event in audit.events:
         print_text(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.message}")
     print_table("Positions of the load", *pages.position_table(plant, result))
     if rows:
         print_table("Quality of control", ["metric", "value"], rows)
-    if balances:
-        rows = []
-        for balance in balances:
-            name, *cells = pages.balance_cells(balance)
-            closes = "closes" if balance.closes else "DOES NOT CLOSE"
-            rows.append([name.replace(" of ", "\nof "), *cells, closes])
-        caption = "residual: inputs less outputs, over the largest term; zero terms are omitted"
-        heads = ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]", ""]
-        print_table("Balances", heads, rows, caption)
+    rows = []
+    for balance in balances:
+        name, *cells = pages.balance_cells(balance)
+        closes = "closes" if balance.closes else "DOES NOT CLOSE"
+        rows.append([name.replace(" of ", "\nof "), *cells, closes])
+    caption = "residual: inputs less outputs, over the largest term; zero terms are omitted"
+    heads = ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]", ""]
+    print_table("Balances", heads, rows, caption)
 
 
 COMMANDS = {"simulate": simulate}

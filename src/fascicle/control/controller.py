@@ -49,7 +49,7 @@ from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_choice, check_interval, check_nonnegative, check_positive
 from ..dynamics import Measurement, Plant, PrescribedMotion
-from ..muscle.hysteresis import AbstractHysteresis
+from ..muscle.hysteresis import AbstractHysteresis, Motion
 from .policies import POLICIES, Policy
 from .step_response import LoopMargins, loop_margins
 from .units import ControlledUnits, UnitDemand, evaluate_capability
@@ -304,9 +304,8 @@ class Cascade(Module):
         travel = arms * (reference - before)
         speed = travel / (self.dt * self.every)
         muscles = plant.muscles.at(P, plant.strains(reference))
-        slid = self.friction.advance(
-            memory.friction, travel, speed, (P, P), muscles.force_by_pressure
-        )
+        motion = Motion(travel, speed, (P, P), muscles.force_by_pressure)
+        slid = self.friction.advance(memory.friction, motion)
         return array_namespace(P).sum(plant.counts * arms * slid.force), slid.spring_forces
 
 

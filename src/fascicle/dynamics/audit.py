@@ -58,10 +58,9 @@ _MADE = "made by the volume"  # name of a term, as JSON has it
 class Balance(NamedTuple):
     """Balance of energy or mass over a run.
 
-    `name` and `unit`; its `inputs` and `outputs`, by name [J or kg]; the `residual`, inputs less
-    outputs [J or kg], and the `relative_residual`, over the largest term [-]; `tolerance`: the
-    largest relative residual at which it closes [-]; a `remedy` if it doesn't close for a known
-    reason.
+    Its `inputs` and `outputs` by name, and the `residual`, inputs less outputs, in its `unit`; the
+    `relative_residual`, over the largest term, and the `tolerance` at which it closes [-]; a
+    `remedy` if it doesn't close for a known reason.
     """
 
     name: str
@@ -101,7 +100,19 @@ class Audit(NamedTuple):
     @property
     def closes(self) -> bool:
         """True if all balances close and no event is a reason to doubt the run."""
-        return all(x.closes for x in self.balances) and all(x.trusted for x in self.events)
+        return not self.doubts
+
+    @property
+    def doubts(self) -> list[str]:
+        """Reasons to doubt the run."""
+        doubts = [
+            f"the {x.name} doesn't close: its residual is {x.relative_residual:.1e} of its largest"
+            f" term, more than {x.tolerance:g}" + (f": {x.remedy}" if x.remedy else "")
+            for x in self.balances
+            if not x.closes
+        ]
+        doubtful = [event for event in self.events if not event.trusted]
+        return doubts + [f"{x.name} from {x.first:g} s, {x.message}" for x in doubtful]
 
     def __str__(self) -> str:
         lines = []
@@ -110,23 +121,16 @@ class Audit(NamedTuple):
             residual = f"residual {balance.relative_residual:.1e} of its largest term"
             lines += [f"{balance.name}: {verdict}, {residual}"]
             lines += [f"  {balance.remedy}"] if balance.remedy else []
-            sides = ("in", balance.inputs), ("out", balance.outputs)
-            terms = [(side, *term) for side, entries in sides for term in entries.items()]
-            lines += [
-                f"  {side:>3} {name:<28} {x:>14.6g} {balance.unit}" for side, name, x in terms
-            ]
+            for side, terms in (("in", balance.inputs), ("out", balance.outputs)):
+                rows = [f"  {side:>3} {name:<28} {x:>14.6g}" for name, x in terms.items()]
+                lines += [f"{row} {balance.unit}" for row in rows]
         lines += [f"{x.name} from {x.first:.4g} s: {x.message}" for x in self.events]
         return "\n".join(lines)
 
 
 def audit(plant: Plant, run: Trajectory) -> Audit:
-    """Check the balances of a run, (A1) to (A3), and list its events.
-
-    **Arguments:** `plant`: the plant of the run; `run`: one run, not a batch of them.
-
-    **Returns:** an `Audit` [J].
-
-    **Raises:** `ValueError` for a batch.
+    """Check the balances of a `plant`'s `run` [J], (A1) to (A3), and list its events; `ValueError`
+    for a batch of runs.
     """
     if np.ndim(run.time) != 1 or np.ndim(run.ledger) != 2:
         raise InvalidInputError("run", "must be one run", np.shape(run.ledger), shown="a batch")
@@ -158,11 +162,9 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     if plant.liquid and plant.supply.count:
         reserve = np.asarray(run.outputs.reserve)
         spent = plant.supply.drive_energies(reserve)
+        stored = np.asarray(plant.supply.stored_energy(reserve))
         inputs = {"shaft": spent.get("shaft_work", 0.0 * mass)}
-        outputs = {
-            "supplied": ledger["supplied"],
-            "stored in the supply": np.asarray(plant.supply.stored_energy(reserve)),
-        }
+        outputs = {"supplied": ledger["supplied"], "stored in the supply": stored}
         if "pump_lost" in spent:
             outputs["lost in the pump"] = spent["pump_lost"]
         balances.append(_balance("energy of the supply", SMOOTH, inputs, outputs))
@@ -171,33 +173,10 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
         p = np.asarray(run.outputs.pressures) + plant.chamber.room_pressure
         V = np.asarray(run.outputs.volumes) + plant.chamber.dead_volume
         U = np.sum(p * V, axis=-1) / (plant.chamber.gas.heat_capacity_ratio - 1)
-        outputs = {
-            "heat through the wall": ledger["heat"],
-            "work, absolute": ledger["displaced"],
-            "internal energy": U,
-        }
-        inputs = {"enthalpy": ledger["enthalpy"]}
-        balances.append(_balance("first law", SMOOTH, inputs, outputs, size=np.max(U)))
+        lost = {"heat through the wall": ledger["heat"], "work, absolute": ledger["displaced"]}
+        sides = {"enthalpy": ledger["enthalpy"]}, lost | {"internal energy": U}
+        balances.append(_balance("first law", SMOOTH, *sides, size=np.max(U)))
     return Audit(tuple(balances), events(run))
-
-
-def audit_run(plant: Plant, run: Trajectory) -> tuple[Audit | None, list[str]]:
-    """Audit of a run, `None` for a batch; reasons to doubt it."""
-    audited, doubts = None, []
-    try:
-        audited = audit(plant, run)
-    except ValueError as error:
-        doubts.append(str(error).rstrip("."))
-    doubts += [
-        f"the {balance.name} doesn't close: its residual is {balance.relative_residual:.1e} of its"
-        f" largest term, more than {balance.tolerance:g}"
-        + (f": {balance.remedy}" if balance.remedy else "")
-        for balance in (audited.balances if audited else ())
-        if not balance.closes
-    ]
-    doubtful = [event for event in events(run) if not event.trusted]
-    doubts += [f"{event.name} from {event.first:g} s, {event.message}" for event in doubtful]
-    return audited, doubts
 
 
 def events(run: Trajectory) -> tuple[Event, ...]:
@@ -223,8 +202,8 @@ def _balance(
     """Balance of rows in time, over the largest change of any of them or a given `size`; a
     `mismatch` is named, but is part of the residual all the same: it comes from nowhere.
     """
-    rows = [row - row[0] for row in (*inputs.values(), *outputs.values())]
-    size = max(size, *(float(np.max(np.abs(row))) for row in rows))
+    rows = [*inputs.values(), *outputs.values()]
+    size = max(size, *(float(np.max(np.abs(row - row[0]))) for row in rows))
     ends_in, ends_out = (
         {key: float(row[-1] - row[0]) for key, row in side.items()} for side in (inputs, outputs)
     )

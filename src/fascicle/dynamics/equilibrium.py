@@ -28,20 +28,12 @@ _POSITIONS = 801  # that bracket an equilibrium: four in each of a table's 200 c
 def equilibrium_state(
     plant: Plant, pressures: Values = 0.0, position: Values = None, command: Values = None
 ) -> State:
-    """State at rest of a plant, at the position where its forces balance, equation (T5).
+    """State at rest [SI] of a `plant`, at the position where its forces balance, equation (T5).
 
-    **Arguments:**
-
-    - `plant`: the plant.
-    - `pressures`: gauge, of each unit [Pa], or one for all.
-    - `position`: of the load [SI], fixed until the run begins; by default that of rest. Not for a
-      prescribed motion, which gives its own.
-    - `command`: position of the valves' spools [-]; by default, the middle.
-
-    **Returns:** the state [SI].
-
-    **Raises:** `ValueError` for pressures off the domain, for a `position` outside the muscles'
-    tables, and for a load that the bundle can't hold at rest at these pressures.
+    `pressures`: gauge, of each unit or one for all [Pa]; `position` of the load [SI], fixed until
+    the run begins, by default that of rest or of a prescribed motion; `command`: position of the
+    valves' spools [-], by default the middle. `ValueError` for pressures off the domain, a position
+    outside the muscles' tables, and a load that the bundle can't hold at rest at these pressures.
     """
     closed = (True, True)
     P = check_interval(pressures, 0.0, HIGHEST_PRESSURE, "pressures", "Pa", "(gauge)", closed)
@@ -56,18 +48,15 @@ def equilibrium_state(
         remedy = "take other lengths, or another contraction at the start"
         raise InvalidInputError("load", rule, low, remedy, shown="none")
 
-    def check_position(q: Values) -> Numbers:
-        why = "where the muscles' tables end"
-        return check_interval(q, low, high, "position", load.unit, why, (True, True))
-
+    limits = low, high, "position", load.unit, "where the muscles' tables end", closed
     if load.prescribed:
         if position is not None:
             rule, remedy = "must be left out with a prescribed motion", "the load gives its own"
             raise InvalidInputError("position", rule, position, remedy)
         q, v = load.motion_at(0.0, 0.0, 0.0)
-        check_position(q + np.max(getattr(load, "amplitude", 0.0)) * np.array([-1.0, 1.0]))
+        check_interval(q + np.max(getattr(load, "amplitude", 0.0)) * np.array([-1, 1]), *limits)
     elif position is not None:
-        q = check_position(position)
+        q = check_interval(position, *limits)
     else:
         q = _find_equilibrium(plant, P, low, high)
     spools = plant.spool.state_count(plant.units)

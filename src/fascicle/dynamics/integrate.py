@@ -47,10 +47,8 @@ def integrate(
     - `start`: the state at the start [SI]; by default, at rest without pressure.
     - `tolerance`: relative, of each number of the state [-]; absolute, of its size.
 
-    **Returns:** a `Trajectory` [SI], of no substeps.
-
-    **Raises:** `ValueError` for times that don't rise, a plant for `simulate` alone, commands that
-    don't fit, what `equilibrium_state` refuses, and a tolerance that the method can't meet.
+    **Returns:** a `Trajectory` [SI]. **Raises:** `ValueError` for times that don't rise, a plant or
+    commands that don't fit, what `equilibrium_state` refuses, and a tolerance that can't be met.
     """
     if plant.hysteresis is not None and plant.hysteresis.count:
         kind = type(plant.hysteresis).__name__
@@ -66,7 +64,7 @@ def integrate(
         raise InvalidInputError("times", "must begin at 0 s and rise", t.shape, shown="others")
     tolerance = float(check_positive(tolerance, "tolerance", "-"))
     begin = equilibrium_state(plant) if start is None else start
-    scales = jnp.asarray(_scales(plant, begin))
+    tolerances = tolerance, tolerance * jnp.asarray(_scales(plant, begin))
     row = _pack_row(begin, np.zeros(len(LEDGER)))
     row_blocks = [row[None]]
     # a leg for each command: no stage sees the next one
@@ -80,16 +78,15 @@ def integrate(
         extra = np.linspace(low, leg_times[0], max_points - len(leg_times) + 2)[1:-1]
         leg_times = jnp.append(extra, leg_times)
         command = jnp.asarray(acting.at(low))
-        success, rows = _integrate_leg(plant, low, tolerance, row, command, leg_times, scales)
+        success, rows = _integrate_leg(plant, low, tolerances, row, command, leg_times)
         if not bool(success):
             rule = f"can't be met: the method gave up between {low:g} and {high:g} s"
             remedy = "loosen it, or use `simulate`"
             raise InvalidInputError("tolerance", rule, tolerance, remedy, shown="")
         rows = np.asarray(rows)
         row = rows[-1]
-        row_blocks.append(
-            rows[len(extra) :][: len(inside)]
-        )  # without `high`, if nobody asks for it
+        # without `high`, if nobody asks for it
+        row_blocks.append(rows[len(extra) :][: len(inside)])
     arrays = (jnp.asarray(x) for x in (t, np.concatenate(row_blocks), acting.at(t)))
     outputs, ledger, states = to_numpy(_observe_rows(plant, *arrays))
     end = State(*(x[-1] for x in states))
@@ -98,16 +95,10 @@ def integrate(
 
 @jax.jit
 def _integrate_leg(
-    plant: Plant,
-    low: Batch,
-    tolerance: Batch,
-    row: Numbers,
-    command: Numbers,
-    times: Numbers,
-    scales: Numbers,
+    plant: Plant, low: Batch, tolerances: tuple, row: Numbers, command: Numbers, times: Numbers
 ) -> tuple[BoolBatch, Numbers]:
-    """Integrate under one `command` from `low` [s] on: true if the end was reached, and rows at
-    `times` [s]. `scales` of a row's numbers set their absolute tolerances.
+    """Integrate under one `command` from `low` [s] on, with a relative and absolute `tolerances`:
+    true if the end was reached, and rows at `times` [s].
     """
     import diffrax
 
@@ -116,18 +107,10 @@ def _integrate_leg(
         rates = time_derivative(plant, state, evaluation, command)
         return _pack_row(rates, ledger_rates(plant, state, evaluation))
 
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(field),
-        diffrax.Tsit5(),
-        low,
-        times[-1],
-        None,
-        row,
-        saveat=diffrax.SaveAt(ts=times),
-        stepsize_controller=diffrax.PIDController(rtol=tolerance, atol=tolerance * scales),
-        max_steps=_MAX_STEPS,
-        throw=False,
-    )
+    problem = diffrax.ODETerm(field), diffrax.Tsit5(), low, times[-1], None, row
+    options = {"saveat": diffrax.SaveAt(ts=times), "max_steps": _MAX_STEPS, "throw": False}
+    steps = diffrax.PIDController(*tolerances)
+    solution = diffrax.diffeqsolve(*problem, stepsize_controller=steps, **options)
     return solution.result == diffrax.RESULTS.successful, solution.ys
 
 
@@ -151,14 +134,8 @@ def _evaluate_row(
 ) -> tuple[State, Numbers, PlantEvaluation]:
     """State, ledger and evaluation [SI] of a `row`; its friction has no memory."""
     units, spool, supply = plant.units, plant.spool, plant.supply
-    shapes = (
-        (),
-        (),
-        (spool.state_count(units),),
-        (units, plant.chamber.count),
-        (units,),
-        (supply.count,),
-    )
+    chambers = (units, plant.chamber.count)
+    shapes = ((), (), (spool.state_count(units),), chambers, (units,), (supply.count,))
     ends = np.cumsum([math.prod(shape) for shape in shapes])
     *parts, ledger = jnp.split(row, ends)
     state = State(*(x.reshape(shape) for x, shape in zip(parts, shapes, strict=True)))

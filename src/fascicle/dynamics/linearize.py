@@ -85,9 +85,7 @@ def linearize(
       "strain", "force" of all its muscles and "flow", of mass into it.
     - `command`: at the state, one for each motor unit or one for all [-].
 
-    **Returns:** a `LinearModel` of NumPy's arrays.
-
-    **Raises:** `ValueError` for other names, and for commands off [-1, 1].
+    **Returns:** a `LinearModel`. **Raises:** `ValueError` for other names, and invalid commands.
     """
     if isinstance(plant.spool, Solenoid):
         remedy = "linearize a plant with a Direct spool, which has the pulses' mean"
@@ -165,8 +163,6 @@ def _units(plant: "Plant", names: Sequence[str], of_load: dict[str, str]) -> dic
     per_unit = {"command": "-", "pressure": "Pa", "strain": "-", "force": "N", "flow": "kg/s"}
     units: dict[str, str] = {}
     for name in names:
-        if name in of_load:
-            units[name] = of_load[name]
-        else:
-            units |= {f"{name} {i}": per_unit[name] for i in range(1, plant.units + 1)}
+        of_units = {f"{name} {i}": per_unit.get(name, "") for i in range(1, plant.units + 1)}
+        units |= {name: of_load[name]} if name in of_load else of_units
     return units

@@ -24,7 +24,7 @@ import numpy as np
 from ..core.array_namespace import cos, maximum, sin, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module
-from ..core.types import Batch, BoolBatch
+from ..core.types import Batch
 from ..core.validation import Range, is_concrete
 from ..fluid.fields import interval_field, nonnegative_field, positive_field
 
@@ -61,9 +61,7 @@ class Stop(Module):
             raise InvalidInputError("low", "must be less than `high`", float(np.max(self.low)))
 
     def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Force against a rising coordinate [SI], and the damper's part of it [SI], at a `position`
-        and a `velocity` [SI].
-        """
+        """Force against a rising coordinate, and the damper's part of it [SI]."""
         over, under = self._depths(position)
         depth = over + under
         spring = self.stiffness * (over - under)
@@ -75,10 +73,6 @@ class Stop(Module):
         """Energy of its springs [J] at `position` [SI]."""
         over, under = self._depths(position)
         return self.stiffness * (over**2 + under**2) / 2
-
-    def is_touched(self, position: Batch) -> BoolBatch:
-        """True where the stop is touched at `position` [SI]."""
-        return (position > self.high) | (position < self.low)
 
     def _depths(self, position: Batch) -> tuple[Batch, Batch]:
         """Depths beyond `high` and `low` [SI], zero or more."""
@@ -118,11 +112,6 @@ class AbstractLoad(Module):
         return 0.0 * position
 
     @property
-    def damper(self) -> Batch:
-        """Damping $d$ of the coordinate [SI]."""
-        return self.damping
-
-    @property
     def stiffness(self) -> Batch:
         """Estimate of the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]."""
         return 0.0 * self.inertia
@@ -134,22 +123,25 @@ class AbstractLoad(Module):
         return position, velocity
 
 
-class HangingMass(AbstractLoad):
+class _Mass(AbstractLoad):
+    """Load of a mass alone."""
+
+    mass: Batch = positive_field("mass", _MASS)
+
+    @property
+    def inertia(self) -> Batch:
+        return self.mass
+
+
+class HangingMass(_Mass):
     """A mass on the lower plate, lifted as the bundle contracts.
 
     `mass` [kg]. `gravity`: $g$ [m/s²]. `damping` [N·s/m]. `stop`: of its stroke [m], or none.
     """
 
-    source: ClassVar[str] = "Newton's second law"
-
-    mass: Batch = positive_field("mass", _MASS)
     gravity: Batch = _field_from_zero("gravity", unit="m/s²", default=GRAVITY)
     damping: Batch = _field_from_zero("damping", unit="N·s/m")
     stop: Stop | None = None
-
-    @property
-    def inertia(self) -> Batch:
-        return self.mass
 
     def force(self, position: Batch) -> Batch:
         return -self.mass * self.gravity + 0.0 * position
@@ -158,7 +150,7 @@ class HangingMass(AbstractLoad):
         return self.mass * self.gravity * position
 
 
-class InertiaSpringDamper(AbstractLoad):
+class InertiaSpringDamper(_Mass):
     """A mass that the bundle pulls against a spring and a damper.
 
     `mass` [kg]. `spring_stiffness` [N/m], of a spring that is never slack. `damping` [N·s/m].
@@ -166,18 +158,11 @@ class InertiaSpringDamper(AbstractLoad):
     the bundle [N]. `stop`: of its stroke [m], or none.
     """
 
-    source: ClassVar[str] = "Newton's second law"
-
-    mass: Batch = positive_field("mass", _MASS)
     spring_stiffness: Batch = nonnegative_field("spring_stiffness", _STIFFNESS, default=0.0)
     damping: Batch = _field_from_zero("damping", unit="N·s/m")
     rest: Batch = _field_of_any_sign("rest", unit="m")
     force_outside: Batch = _field_of_any_sign("force_outside", unit="N")
     stop: Stop | None = None
-
-    @property
-    def inertia(self) -> Batch:
-        return self.mass
 
     def force(self, position: Batch) -> Batch:
         return -self.spring_stiffness * (position - self.rest) - self.force_outside
@@ -200,7 +185,6 @@ class AntagonisticJoint(AbstractLoad):
     """
 
     unit: ClassVar[str] = "rad"
-    source: ClassVar[str] = "Newton's second law"
 
     inertia_moment: Batch = _field_of_any_size("inertia_moment", unit="kg·m²")
     radius: Batch = _field_of_any_size("radius", unit="m")
@@ -236,7 +220,6 @@ class PrescribedMotion(AbstractLoad):
     """
 
     prescribed: ClassVar[bool] = True
-    source: ClassVar[str] = "kinematics"
 
     mean: Batch = _field_of_any_sign("mean", unit="m")
     amplitude: Batch = _field_from_zero("amplitude", unit="m")
@@ -247,10 +230,9 @@ class PrescribedMotion(AbstractLoad):
         if self.stop is not None:
             rule = "can't hold a prescribed motion"
             raise InvalidInputError("stop", rule, self.stop, "leave it out")
-        numbers = self.amplitude, self.frequency
-        if is_concrete(*numbers) and np.any((np.asarray(numbers[0]) > 0) & (numbers[1] <= 0)):
-            rule = "must be positive if there is an amplitude"
-            raise InvalidInputError("frequency", rule, 0.0)
+        A, f = self.amplitude, self.frequency
+        if is_concrete(A, f) and np.any((np.asarray(A) > 0) & (f <= 0)):
+            raise InvalidInputError("frequency", "must be positive if there is an amplitude", 0.0)
 
     @property
     def inertia(self) -> Batch:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace, where
 from ..core.types import Batch, Numbers
-from ..muscle.hysteresis import FrictionStep
+from ..muscle.hysteresis import Motion
 from .chamber_pressure import ChamberEvaluation, conserved_rates, evaluate_chambers
 
 
@@ -136,13 +136,10 @@ def evaluate_plant(
     pull = array_namespace(fluid.muscles.force).sum(arm * fluid.muscles.force, axis=-1)
     friction, friction_power = _friction_force(plant, friction_memory, q, v, fluid)
     stop_force, stop_damper = load.stop.force(q, v) if load.stop else (0.0 * q, 0.0 * q)
-    outside = load.force(q) - load.damper * v - stop_force
-    rates, forces = (
-        (P_dot, V_dot, filling, conserved),
-        (pull, friction, friction_power, stop_damper),
-    )
+    outside = load.force(q) - load.damping * v - stop_force
     a = (pull - friction + outside) / load.inertia
-    return PlantEvaluation(q, v, eps, fluid, flows, *rates, *forces, a)
+    rates, forces = (P_dot, V_dot, filling, conserved), (pull, friction, friction_power)
+    return PlantEvaluation(q, v, eps, fluid, flows, *rates, *forces, stop_damper, a)
 
 
 def time_derivative(
@@ -161,23 +158,20 @@ def time_derivative(
     )
 
 
-def friction_step(
+def muscle_motion(
     plant: "Plant",
     friction_memory: FrictionMemory,
     position: Batch,
     pressures: Numbers,
     speed: Numbers = 0.0,
     pressure_slope: Numbers = 0.0,
-) -> FrictionStep:
-    """Friction of each muscle of a `plant` at a `position` [SI] and `pressures` [Pa], reached from
-    the `friction_memory` [SI] without turning, at a `speed` of contraction [m/s] and the muscles'
-    $\\partial F/\\partial P$, `pressure_slope` [m²].
+) -> Motion:
+    """Motion of each muscle of a `plant` to a `position` [SI] and `pressures` [Pa] from those of
+    the `friction_memory` [SI], with `speed` [m/s] and `pressure_slope` [m²] now.
     """
-    assert plant.hysteresis is not None
-    forces, before, zero = friction_memory.spring_forces, friction_memory.pressures, 0.0 * pressures
     displacement = plant.lengths * plant.gains * (position - friction_memory.position)[..., None]
-    speed, slope = zero + speed, zero + pressure_slope
-    return plant.hysteresis.advance(forces, displacement, speed, (before, pressures), slope)
+    both, zero = (friction_memory.pressures, pressures), 0.0 * pressures
+    return Motion(displacement, zero + speed, both, zero + pressure_slope)
 
 
 def _friction_force(
@@ -189,8 +183,9 @@ def _friction_force(
     add, by_pressure = array_namespace(q).sum, fluid.muscles.force_by_pressure
     lever = plant.lengths * plant.gains
     speed = lever * v[..., None]
-    force = friction_step(plant, friction_memory, q, fluid.pressures, speed, by_pressure).force
-    power = plant.hysteresis.lost_power(speed, fluid.pressures, by_pressure)
+    motion = muscle_motion(plant, friction_memory, q, fluid.pressures, speed, by_pressure)
+    force = plant.hysteresis.advance(friction_memory.spring_forces, motion).force
+    power = plant.hysteresis.lost_power(motion)
     return add(plant.counts * lever * force, axis=-1), add(plant.counts * power, axis=-1)
 
 
@@ -200,6 +195,8 @@ def update_friction(
     """Advance `friction_memory` [SI] by a step to a `position` [SI] and `pressures` [Pa]: the new
     memory, and the energy that laws with a memory lost in the step [J].
     """
-    step = friction_step(plant, friction_memory, position, pressures)
+    assert plant.hysteresis is not None
+    motion = muscle_motion(plant, friction_memory, position, pressures)
+    step = plant.hysteresis.advance(friction_memory.spring_forces, motion)
     loss = array_namespace(step.loss).sum(plant.counts * step.loss, axis=-1)
     return FrictionMemory(step.spring_forces, position, pressures), loss

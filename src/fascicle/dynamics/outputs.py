@@ -16,7 +16,7 @@ from ..core.array_namespace import array_namespace, log, maximum, where
 from ..core.roots import guarded
 from ..core.types import Batch, Numbers, Whole
 from ..fluid.chamber import stack_last
-from .motion import Flows, FrictionMemory, PlantEvaluation, State, friction_step
+from .motion import Flows, FrictionMemory, PlantEvaluation, State, muscle_motion
 from .plant import Plant
 
 
@@ -85,25 +85,14 @@ def observe(
     plant: Plant, state: State, friction_memory: FrictionMemory, evaluation: PlantEvaluation
 ) -> PlantOutputs:
     """Outputs of a `plant` in a `state` [SI], with its `friction_memory` and `evaluation` [SI]."""
-    flows, store = evaluation.flows, _stored_energies(plant, state, friction_memory, evaluation)
-    return PlantOutputs(
-        evaluation.position,
-        evaluation.velocity,
-        flows.pressures,
-        flows.temperatures,
-        evaluation.strains,
-        plant.counts * evaluation.fluid.muscles.force,
-        evaluation.fluid.volume,
-        state.chambers[..., 0],
-        flows.supply,
-        flows.exhaust,
-        flows.drawn,
-        flows.vented,
-        flows.supply_pressure[..., 0] + 0.0 * evaluation.position,
-        store,
-        _status_bits(plant, state, evaluation, store),
-        state.supply,
-    )
+    at, flows, fluid = evaluation, evaluation.flows, evaluation.fluid
+    store = _stored_energies(plant, state, friction_memory, at)
+    muscles = at.strains, plant.counts * fluid.muscles.force, fluid.volume, state.chambers[..., 0]
+    valves = flows.supply, flows.exhaust, flows.drawn, flows.vented
+    supply = flows.supply_pressure[..., 0] + 0.0 * at.position
+    places = at.position, at.velocity, flows.pressures, flows.temperatures
+    status = _status_bits(plant, state, at, store)
+    return PlantOutputs(*places, *muscles, *valves, supply, store, status, state.supply)
 
 
 def _status_bits(
@@ -111,7 +100,7 @@ def _status_bits(
 ) -> Whole:
     """Bits of `STATUS`; a unit's bit is set if any unit has it. `energies`: stored ones [J]."""
     q, P, eps = evaluation.position, evaluation.fluid.pressures, evaluation.strains
-    xp = array_namespace(q, P)
+    xp, stop = array_namespace(q, P), plant.load.stop
     low, high = plant.muscles.strains
     bits = (
         xp.any(evaluation.fluid.is_folded, axis=-1),
@@ -119,7 +108,7 @@ def _status_bits(
         xp.any((eps < low) | (eps > high) | (plant.muscles.highest_pressure < P), axis=-1),
         xp.any(evaluation.fluid.is_unsolved, axis=-1),
         plant.supply.empty(state.supply),
-        False if plant.load.stop is None else plant.load.stop.is_touched(q),
+        False if stop is None else (q > stop.high) | (q < stop.low),
         False,  # stiffness is known to `simulate`
         ~xp.isfinite(xp.sum(energies, axis=-1) + xp.sum(P, axis=-1)),
     )
@@ -131,20 +120,15 @@ def ledger_rates(plant: Plant, state: State, evaluation: PlantEvaluation) -> Num
     `plant` in a `state` [SI] with its `evaluation` [SI].
     """
     P, flows, V = evaluation.fluid.pressures, evaluation.flows, evaluation.fluid.volume
-    v, P_dot, mass, enthalpy = (
-        evaluation.velocity,
-        evaluation.pressure_rates,
-        flows.mass,
-        flows.enthalpy,
-    )
-    heat = plant.chamber.heat_flow(state.chambers, P, mass, enthalpy, evaluation.volume_rates)
+    v, P_dot, brought = evaluation.velocity, evaluation.pressure_rates, (flows.mass, flows.enthalpy)
+    heat = plant.chamber.heat_flow(state.chambers, P, *brought, evaluation.volume_rates)
     mismatch = -(V - plant.counts * evaluation.fluid.muscles.volume) * P_dot
     work = -V * P_dot
-    powers = *_fluid_powers(plant, flows, heat), work, mismatch, mass, enthalpy, heat, work
+    powers = *_fluid_powers(plant, flows, heat), work, mismatch, *brought, heat, work
     load, pull = plant.load, evaluation.pull
     load_powers = stack_last(
         pull * v,
-        load.damper * v**2,
+        load.damping * v**2,
         evaluation.stop_damper * v,
         evaluation.friction_power,
         -(pull - evaluation.friction_force) * v if load.prescribed else 0.0 * v,
@@ -210,7 +194,8 @@ def _stored_energies(
     P, muscles = evaluation.fluid.pressures, evaluation.fluid.muscles
     xp, friction_energy = array_namespace(q, P), 0.0 * q
     if plant.hysteresis is not None:
-        forces = friction_step(plant, friction_memory, q, P).spring_forces
+        motion = muscle_motion(plant, friction_memory, q, P)
+        forces = plant.hysteresis.advance(friction_memory.spring_forces, motion).spring_forces
         friction_energy = xp.sum(plant.counts * plant.hysteresis.stored(forces), axis=-1)
     return stack_last(
         xp.sum(plant.chamber.stored_energy(state.chambers, P), axis=-1),

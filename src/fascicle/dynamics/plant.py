@@ -15,6 +15,7 @@ muscles of a unit are equal.
 from collections.abc import Sequence
 from typing import Any
 
+import attrs
 import numpy as np
 
 from ..bundle.bundle import Bundle
@@ -41,25 +42,16 @@ from .muscles import AbstractMuscles, ExactMuscles, GeometricMuscles, MuscleTabl
 
 _ABOVE_SUPPLY = 1.2  # pressure of a closed chamber that is stretched, over its supply's, at most
 LAWS = ("table", "exact")  # values of the argument `law`
-_PARTS = {  # of a plant, by their arguments
-    "load": AbstractLoad,
-    "supply": AbstractSupply,
-    "chamber": AbstractChamber,
-    "valve": SonicValve | Orifice,
-    "exhaust_valve": SonicValve | Orifice,
-    "spool": AbstractSpool,
-    "hysteresis": AbstractHysteresis | None,
-}
+_PARTS = ("load", "supply", "chamber", "valve", "exhaust_valve", "spool", "hysteresis")
 VOLUMES = ("conjugate", "geometric")  # values of the argument `volume`
 
 
 class Plant(Module):
     """One bundle, or two on a joint, with chambers, valves, supply and load.
 
-    `bundles`: as many as the load takes. `chamber`, `valve`, `exhaust_valve`, `spool`, `supply`,
-    `load`, `hysteresis`: those of the arguments. `muscles`: of all units. Of each unit: `counts`
-    of its muscles [-], their `lengths` at rest [m], the `distances` of its plates at rest [m], the
-    index of its bundle among `sides`.
+    Its parts are its arguments; `muscles`: of all units. Of each unit: `counts` of its muscles [-],
+    their `lengths` at rest [m], the `distances` of its plates at rest [m], the index of its bundle
+    among `sides`.
     """
 
     bundles: tuple[Bundle, ...]
@@ -93,19 +85,16 @@ class Plant(Module):
         """**Arguments:**
 
         - `bundle`: the bundle, or two on an `AntagonisticJoint`.
-        - `load`: the load that it moves.
-        - `supply`: the source of its fluid.
-        - `chamber`: of each unit's fluid; its numbers may be one for each unit [-].
-        - `valve`: from the supply to each unit.
-        - `exhaust_valve`: from each unit to the room; by default, like `valve`.
+        - `load`, `supply` and `chamber`: of each unit's fluid; numbers may be one for each unit.
+        - `valve`, `exhaust_valve`: from the supply and to the room; by default alike.
         - `spool`: from commands to openings; by default, `Direct`.
         - `hysteresis`: friction of each muscle; by default, none.
         - `law`: "table" of the muscles' co-energy, or "exact", which is slow.
         - `volume`: "conjugate", which goes with the force, or "geometric".
         - `shape`: nodes of the tables in pressure and strain.
 
-        **Raises:** `ValueError`, one line, for parts that don't go together, and for a liquid in
-        chambers without compliance.
+        **Raises:** `ValueError` for parts that don't go together, and for a liquid in chambers
+        without compliance.
         """
         bundles = tuple(bundle) if isinstance(bundle, Sequence) else (bundle,)
         exhaust_valve = valve if exhaust_valve is None else exhaust_valve
@@ -202,12 +191,13 @@ class Plant(Module):
 
 def _check_fit(bundles: tuple[Bundle, ...], parts: dict[str, Any]) -> None:
     """Refuse `parts` that don't go together with each other or the plant's `bundles`."""
-    for name, kind in _PARTS.items():
-        if not isinstance(parts[name], kind):
+    for name, part in parts.items():
+        kind: Any = getattr(attrs.fields(Plant), name).type
+        if not isinstance(part, kind):
             types = getattr(kind, "__args__", (kind,))
             names = " or ".join(item.__name__.removeprefix("Abstract") for item in types)
             rule = f"must be a {names}".replace("NoneType", "None")
-            raise InvalidInputError(name, rule, parts[name], shown=type(parts[name]).__name__)
+            raise InvalidInputError(name, rule, part, shown=type(part).__name__)
     if not all(isinstance(bundle, Bundle) for bundle in bundles):
         kinds = ", ".join(type(bundle).__name__ for bundle in bundles)
         raise InvalidInputError("bundle", "must be a Bundle", bundles, shown=kinds)
@@ -226,7 +216,7 @@ def _check_fit(bundles: tuple[Bundle, ...], parts: dict[str, Any]) -> None:
         least = float(np.min(compliance))
         rule = "must be positive for a liquid, which hardly gives way itself"
         remedy = (
-            "pass LiquidChamber(compliance=2e-11), in m³/Pa, that of bladder, hose and fittings of"
-            " each motor unit"
+            "pass LiquidChamber(compliance=2e-11), in m³/Pa, that of bladder, hose and fittings"
         )
+        remedy += " of each motor unit"
         raise InvalidInputError("compliance", rule, least, remedy, f"{least:g} m³/Pa")

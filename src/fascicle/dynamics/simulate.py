@@ -14,8 +14,9 @@ runs, are compiled once. `integrate` is its reference.
 """
 
 import math
+from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -79,34 +80,19 @@ class Measurement(NamedTuple):
     supply_pressure: Batch
 
 
-class Controller(Protocol):
-    """Controller in `simulate`: a call takes its memory, at first `memory`, a measurement [SI] and
-    the present reference, and returns the next memory and commands [-].
-    """
-
-    @property
-    def memory(self) -> Any: ...
-
-    def __call__(
-        self, memory: Any, measurement: Measurement, reference: Any
-    ) -> tuple[Any, Numbers]: ...
+# takes its memory, at first its attribute `memory`, a measurement [SI] and the present reference,
+# and returns the next memory and commands [-]
+Controller = Callable[[Any, Measurement, Any], tuple[Any, Numbers]]
 
 
 class Schedule:
     """Schedule of valve commands, each constant until the next of its times.
 
     `times` [s], rising, the first at 0; `commands` [-] in [-1, 1], one row for each of them, one
-    column for each motor unit.
+    column for each motor unit. `ValueError` for others.
     """
 
     def __init__(self, times: Values, commands: Values):
-        """**Arguments:**
-
-        - `times`: rising, the first at 0 [s].
-        - `commands`: one row for each of them [-], in [-1, 1].
-
-        **Raises:** `ValueError` for times that don't rise, and commands outside [-1, 1].
-        """
         self.times = np.atleast_1d(check_finite(times, "times", "s"))
         if self.times[0] != 0:
             raise InvalidInputError("times", "must begin at 0 s", float(self.times[0]))
@@ -176,8 +162,9 @@ def simulate(
     **Arguments:**
 
     - `plant`: the plant.
-    - `controller`: acts at the beginning of each step; or a `Schedule`; or the commands
-      themselves [-], one row for each step.
+    - `controller`: acts at the beginning of each step: a function of its memory, at first its
+      attribute `memory`, a `Measurement` and the reference, which returns its next memory and the
+      commands; or a `Schedule`; or the commands themselves [-], one row for each step.
     - `reference`: for the controller, one row for each step [-], of any unit.
     - `dt`: a step [s].
     - `duration`: of the run [s], with a `Schedule`; by default, as many steps as there are rows.
@@ -185,10 +172,8 @@ def simulate(
     - `substeps`: of each step; by default those of `estimate_substeps`, as many as the stiffest
       part needs, at most 64, and of a liquid at least 16, so that its energies balance.
 
-    **Returns:** a `Trajectory` [SI]: one time more than there are steps.
-
-    **Raises:** `ValueError` for an invalid `dt` or `duration`, rows that don't fit, and what
-    `equilibrium_state` refuses.
+    **Returns:** a `Trajectory` [SI]: one time more than there are steps. **Raises:** `ValueError`
+    for an invalid `dt` or `duration`, rows that don't fit, and what `equilibrium_state` refuses.
     """
     dt = float(check_positive(dt, "dt", "s", "such as 0.001"))
     begin = equilibrium_state(plant) if start is None else start
@@ -199,9 +184,6 @@ def simulate(
     elif substeps != int(substeps) or not substeps >= 1:
         raise InvalidInputError("substeps", "must be a whole number of at least 1", substeps)
     act, memory, inputs = _prepare_controller(plant, controller, reference, dt, duration)
-    if not len(inputs):
-        name = "reference" if callable(controller) else "commands"
-        raise InvalidInputError(name, "must have a row for each step", 0, shown="none")
     leaves, kind = jax.tree.flatten(act)
     constants = tuple(None if isinstance(x, _NUMBERS) else x for x in leaves)
     fixed = kind, constants, round(plant.spool.dead_time / dt)
@@ -226,12 +208,11 @@ def _prepare_controller(
     """Controller, its first memory, and its input at each step: the `reference`, or the commands of
     a schedule or array, which run open loop.
     """
+    act, memory, name = _follow_reference, (), "commands"
     if callable(controller):
-        if reference is None:
-            rule = "must have a row for each step"
-            raise InvalidInputError("reference", rule, None, shown="none")
-        return controller, getattr(controller, "memory", ()), jnp.asarray(reference)
-    if isinstance(controller, Schedule):
+        act, memory, name = controller, getattr(controller, "memory", ()), "reference"
+        rows = jnp.asarray(() if reference is None else reference)
+    elif isinstance(controller, Schedule):
         end = controller.times[-1] + dt
         if duration is not None:
             end = check_positive(duration, "duration", "s")
@@ -239,7 +220,9 @@ def _prepare_controller(
     else:
         rows = validate_commands(controller, "commands")
         rows = rows[:, None] if rows.ndim == 1 else rows
-    return _follow_reference, (), plant.check_commands(rows)
+    if not len(rows):
+        raise InvalidInputError(name, "must have a row for each step", 0, shown="none")
+    return act, memory, rows if name == "reference" else plant.check_commands(rows)
 
 
 def _follow_reference(memory: Any, _: Measurement, reference: Numbers) -> tuple[Any, Numbers]:
@@ -279,8 +262,8 @@ def _run(
 ) -> _Rows:
     """Rows of a run of a plant from the state `begin` [SI] by a step for each row of `inputs`.
 
-    `numbers` and `fixed` are the controller's parts: arrays, and what doesn't change, such as its
-    structure; and the steps by which the valves' dead time delays a command.
+    `numbers` are the controller's; `fixed`: its structure, its constants, and the steps by which
+    the valves' dead time delays a command.
     """
     kind, constants, late = fixed
     leaves = [x if y is None else y for x, y in zip(numbers, constants, strict=True)]
@@ -299,14 +282,9 @@ def _run(
         time, reference, is_last = row
         state, friction_memory = progress.state, progress.friction_memory
         evaluation = evaluate_plant(plant, time, state, closed, friction_memory)
-        measurement = Measurement(
-            time,
-            evaluation.position,
-            evaluation.velocity,
-            state.pressures,
-            evaluation.pull,  # the muscles' without friction
-            plant.supply.pressure_at(state.supply),
-        )
+        motion, force = evaluation[:2], evaluation.pull  # the muscles' force without friction
+        supply = plant.supply.pressure_at(state.supply)
+        measurement = Measurement(time, *motion, state.pressures, force, supply)
         memory, action = act(memory, measurement, reference)
         command = jnp.where(is_last, command, action)  # the last command holds at the end, too
         pending = jnp.concatenate([pending, command[None]])
@@ -318,11 +296,10 @@ def _run(
         ledger = progress.ledger + pressure_volume_term(plant, evaluation)
         beginning = _Rows(outputs, command, ledger, state)
 
-        def advance(i: Any, progress: _Progress) -> _Progress:
-            return _substep(plant, time + i * h, progress, acting, h)
-
         progress = progress._replace(folded=jnp.zeros_like(progress.folded))
-        progress = lax.fori_loop(0, substeps, advance, progress)
+        progress = lax.fori_loop(
+            0, substeps, lambda i, x: _substep(plant, time + i * h, x, acting, h), progress
+        )
         return (progress, memory, command, pending), beginning
 
     friction_memory = relaxed_friction(plant, state)
@@ -348,8 +325,8 @@ def _substep(
     state, friction_memory, ledger, folded = progress
 
     def stage(carry: tuple, weights: Numbers) -> tuple[tuple, tuple]:
-        """One Runge-Kutta stage: its slope, with the weighted sums of slopes and of the ledger's
-        rates so far; and volumes [m³] and folds of its chambers.
+        """Slope of a Runge-Kutta stage, and weighted sums of slopes and of the ledger's rates so
+        far; volumes [m³] and folds of its chambers.
         """
         slope, total, growth = carry
         delay, weight = weights
@@ -422,7 +399,7 @@ def _chamber_rates(plant: Plant) -> dict[str, float]:
     rates = {"a chamber and its valve": np.max(np.where(fluid.pressure_slope > 0, rates, 0.0))}
     if (time_constant := getattr(plant.spool, "time_constant", None)) is not None:
         rates["a spool"] = np.max(1 / np.asarray(time_constant))
-    return {part: float(rate) for part, rate in rates.items()}
+    return {name: float(rate) for name, rate in rates.items()}
 
 
 def _load_rates(plant: Plant) -> dict[str, float]:
@@ -443,7 +420,7 @@ def _load_rates(plant: Plant) -> dict[str, float]:
         stiff += float(np.sum(n * (L * g) ** 2) * np.sum(np.asarray(plant.hysteresis.stiffness)))
     rates = {
         "the load on its muscles": math.sqrt((stiff + float(load.stiffness)) / M),
-        "the load's damper": float(load.damper) / M,
+        "the load's damper": float(load.damping) / M,
     }
     if load.stop:
         rates["the stop"] = math.sqrt(float(load.stop.stiffness) / M) + float(load.stop.damping) / M

@@ -162,21 +162,21 @@ def _run_policy(
     """Run a `study`: its result, with `notes` before its own, and its row of the table of policies
     if it has a policy.
     """
-    from ..dynamics.audit import audit_run
+    from ..dynamics import audit
     from ..report import simulation as reports
     from ..results.tables import simulated
 
     run, control = study.run(), study.control
-    audit, doubts = audit_run(study.plant, run)
+    audited = audit(study.plant, run)
     controller, reference = (None, None) if control is None else control[:2]
-    table = simulated(study.plant, run, audit, controller, reference)
+    table = simulated(study.plant, run, audited, controller, reference)
     policy_run = demand = None
     rows = sample_rows(len(run.time))
     if control is not None:
         tracking = reports.run_demand(study, run)
         assert tracking is not None
         control_metrics = reports.run_metrics(control, run)
-        policy_run = reports.PolicyRun(control, run, control_metrics, tracking, doubts)
+        policy_run = reports.PolicyRun(control, run, control_metrics, tracking, audited.doubts)
         if tracking.quantity == "position":
             demand = np.append(tracking.demand, tracking.demand[-1])[rows]
     drawing = bundle_drawing(study.plant, run.outputs, rows, demand)
@@ -184,7 +184,7 @@ def _run_policy(
     arms = np.asarray(study.plant.lengths * study.plant.gains)
     pull = np.sum(arms * np.asarray(run.outputs.forces), axis=-1)
     notes = [*notes, *reports.scenario_notes(study)]
-    return PolicyResult(label, table, pull, rows, drawing, notes, doubts), policy_run
+    return PolicyResult(label, table, pull, rows, drawing, notes, audited.doubts), policy_run
 
 
 def sample_rows(moments: int) -> np.ndarray:

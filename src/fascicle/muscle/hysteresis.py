@@ -46,16 +46,24 @@ from ..core.array_namespace import absolute, array_namespace, exp, maximum, mini
 from ..core.errors import InvalidInputError
 from ..core.module import Module, record
 from ..core.types import Batch, Numbers, Values
-from ..core.validation import check_interval, check_positive
-
-
-def _check_nonnegative(value: Values, name: str, unit: str) -> Batch:
-    return check_interval(value, 0.0, np.inf, name, unit, closed=(True, False))
+from ..core.validation import check_nonnegative, check_positive
 
 
 def _field(check: Callable, name: str, unit: str, **default: Any) -> Any:
     """Field of a `name` and a `unit`, whose value a `check` converts."""
     return record(unit=unit, converter=partial(check, name=name, unit=unit), **default)
+
+
+class Motion(NamedTuple):
+    """Motion of a muscle since its last step, without a turn: `displacement` $\\Delta x$ of its
+    contraction [m], `velocity` $\\dot x$ now [m/s], `pressures` $P$ before and now [Pa], and its
+    $\\partial F/\\partial P$ now, `pressure_slope` [m²].
+    """
+
+    displacement: Batch
+    velocity: Batch
+    pressures: tuple[Batch, Batch]
+    pressure_slope: Batch
 
 
 class FrictionStep(NamedTuple):
@@ -77,32 +85,20 @@ class AbstractHysteresis(Module):
         """Number of forces that it remembers."""
 
     @abc.abstractmethod
-    def advance(
-        self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
-        pressure_slope: Batch,
-    ) -> FrictionStep:  # fmt: skip
-        """Friction after a displacement that does not turn.
-
-        **Arguments:**
-
-        - `forces`: its spring forces before, on the last axis [N].
-        - `displacement`: $\\Delta x$ of the contraction since then [m].
-        - `velocity`: $\\dot x$ now [m/s].
-        - `pressures`: $P$ before and now [Pa].
-        - `pressure_slope`: $\\partial F/\\partial P$ of the muscle now [m²].
-
-        **Returns:** a `FrictionStep`: forces [N] and energy [J].
+    def advance(self, forces: Numbers, motion: Motion) -> FrictionStep:
+        """Friction [N] and lost energy [J] after a `motion`; `forces`: of its springs before, on
+        the last axis [N].
         """
 
     @abc.abstractmethod
     def stored(self, forces: Numbers) -> Batch:
         """Energy in its springs [J] for its spring `forces` [N]."""
 
-    def lost_power(self, velocity: Batch, pressure: Batch, pressure_slope: Batch) -> Batch:
-        """Heat [W] of friction without memory, at a `velocity` [m/s], `pressure` [Pa] and
-        `pressure_slope` [m²]; zero with memory, whose loss each step returns.
+    def lost_power(self, motion: Motion) -> Batch:
+        """Heat [W] of friction without memory in a `motion` [SI]; zero with memory, whose loss each
+        step returns.
         """
-        return 0.0 * (velocity + pressure + pressure_slope)
+        return 0.0 * (motion.velocity + motion.pressures[1] + motion.pressure_slope)
 
 
 class MaxwellSlip(AbstractHysteresis):
@@ -122,42 +118,29 @@ class MaxwellSlip(AbstractHysteresis):
         numbers, and for different numbers of springs.
         """
         k = np.atleast_1d(check_positive(stiffness, "stiffness", "N/m"))
-        f = np.atleast_1d(_check_nonnegative(slip_force, "slip_force", "N"))
+        f = np.atleast_1d(check_nonnegative(slip_force, "slip_force", "N"))
         if np.shape(k) != np.shape(f):
             springs, remedy = np.size(f), f"`stiffness` has {np.size(k)}"
             raise InvalidInputError("slip_force", "must have one for each spring", springs, remedy)
-        slope = _check_nonnegative(slip_force_slope, "slip_force_slope", "N/Pa")
+        slope = check_nonnegative(slip_force_slope, "slip_force_slope", "N/Pa")
         self.__attrs_init__(k, f, np.broadcast_to(slope, np.shape(k)))
 
     @property
     def count(self) -> int:
-        """Number of springs."""
         return int(np.shape(self.stiffness)[-1])
 
-    def advance(
-        self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
-        pressure_slope: Batch,
-    ) -> FrictionStep:  # fmt: skip
-        """Spring forces, friction [N] and loss [J] after a displacement, equation (H1)."""
-        del velocity, pressure_slope
-        k = self.stiffness
-        before, f = (self._slip_force(P) for P in pressures)
-        new_forces = minimum(maximum(forces + k * displacement[..., None], -f), f)
+    def advance(self, forces: Numbers, motion: Motion) -> FrictionStep:
+        k, displacement = self.stiffness, motion.displacement[..., None]
+        before, f = (self._slip_force(P) for P in motion.pressures)
+        new_forces = minimum(maximum(forces + k * displacement, -f), f)
         # a spring slips by what it doesn't bend, at a force that moves with pressure meanwhile
-        loss = (before + f) / 2 * absolute(displacement[..., None] - (new_forces - forces) / k)
+        loss = (before + f) / 2 * absolute(displacement - (new_forces - forces) / k)
         add = array_namespace(new_forces).sum
         return FrictionStep(new_forces, add(new_forces, axis=-1), add(loss, axis=-1))
 
     def loop_width(self, forward: Batch, back: Batch, pressure: Batch) -> Batch:
-        """Width of a closed loop between two turns, equation (H4).
-
-        **Arguments:**
-
-        - `forward`: displacement from the turn where contraction begins [m].
-        - `back`: displacement from the turn where it ends [m]; both together are the stroke.
-        - `pressure`: constant $P$ [Pa].
-
-        **Returns:** the pull on the way back less that on the way forward [N].
+        """Width [N] of a closed loop, its pull on the way back less that on the way forward, (H4),
+        at displacements `forward` and `back` from both turns [m] and a constant `pressure` [Pa].
         """
         k, forward, back = self.stiffness, forward[..., None], back[..., None]
         f = self._slip_force(pressure)
@@ -166,7 +149,6 @@ class MaxwellSlip(AbstractHysteresis):
         return array_namespace(width).sum(width, axis=-1)
 
     def stored(self, forces: Numbers) -> Batch:
-        """$\\sum z_j^2/(2 k_j)$ [J] for its spring `forces` [N]."""
         return array_namespace(forces).sum(forces**2 / (2 * self.stiffness), axis=-1)
 
     def _slip_force(self, pressure: Batch) -> Numbers:
@@ -184,21 +166,15 @@ class Dahl(AbstractHysteresis):
     source: ClassVar[str] = "Dahl (1976)"
     stiffness: Batch = _field(check_positive, "stiffness", "N/m")
     slip_force: Batch = _field(check_positive, "slip_force", "N")
-    slip_force_slope: Batch = _field(_check_nonnegative, "slip_force_slope", "N/Pa", default=0.0)
+    slip_force_slope: Batch = _field(check_nonnegative, "slip_force_slope", "N/Pa", default=0.0)
 
     @property
     def count(self) -> int:
-        """One: the force of its spring."""
         return 1
 
-    def advance(
-        self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
-        pressure_slope: Batch,
-    ) -> FrictionStep:  # fmt: skip
-        """Spring force, friction [N] and loss [J] after a displacement, equation (H2)."""
-        del velocity, pressure_slope
-        k = self.stiffness
-        f = self.slip_force + self.slip_force_slope * maximum(pressures[1], 0.0)
+    def advance(self, forces: Numbers, motion: Motion) -> FrictionStep:
+        k, displacement = self.stiffness, motion.displacement
+        f = self.slip_force + self.slip_force_slope * maximum(motion.pressures[1], 0.0)
         before = forces[..., 0]
         limited = minimum(maximum(before, -f), f)
         end = where(displacement >= 0, f, -f)
@@ -209,7 +185,6 @@ class Dahl(AbstractHysteresis):
         return FrictionStep(new_forces[..., None], new_forces, loss)
 
     def stored(self, forces: Numbers) -> Batch:
-        """$z^2/(2k)$ [J] for its `forces` [N]."""
         return forces[..., 0] ** 2 / (2 * self.stiffness)
 
 
@@ -221,32 +196,20 @@ class Coulomb(AbstractHysteresis):
     """
 
     source: ClassVar[str] = "Chou and Hannaford (1996)"
-    width: Batch = _field(_check_nonnegative, "width", "Pa")
+    width: Batch = _field(check_nonnegative, "width", "Pa")
     velocity: Batch = _field(check_positive, "velocity", "m/s", default=1e-3)
 
     @property
     def count(self) -> int:
-        """Zero: it remembers no force."""
         return 0
 
-    def advance(
-        self, forces: Numbers, displacement: Batch, velocity: Batch, pressures: tuple[Batch, Batch],
-        pressure_slope: Batch,
-    ) -> FrictionStep:  # fmt: skip
-        """Friction [N] at a velocity, equation (H3), with no loss: that is in `lost_power`."""
-        del pressures
-        return FrictionStep(forces, self._force(velocity, pressure_slope), 0.0 * displacement)
+    def advance(self, forces: Numbers, motion: Motion) -> FrictionStep:
+        sign = array_namespace(motion.velocity).tanh(motion.velocity / self.velocity)
+        force = self.width * absolute(motion.pressure_slope) * sign
+        return FrictionStep(forces, force, 0.0 * motion.displacement)  # its loss is `lost_power`
 
     def stored(self, forces: Numbers) -> Batch:
-        """Stored energy: zero [J]; the `forces` [N] have no entries on the last axis."""
-        return array_namespace(forces).sum(forces, axis=-1)
+        return array_namespace(forces).sum(forces, axis=-1)  # zero: it has no entries
 
-    def lost_power(self, velocity: Batch, pressure: Batch, pressure_slope: Batch) -> Batch:
-        """Friction's power [W] at a `velocity` [m/s] and a `pressure_slope` of force [m²]."""
-        del pressure
-        return self._force(velocity, pressure_slope) * velocity
-
-    def _force(self, velocity: Batch, pressure_slope: Batch) -> Batch:
-        """Friction against contraction [N], with the sign of the `velocity` [m/s]."""
-        sign = array_namespace(velocity).tanh(velocity / self.velocity)
-        return self.width * absolute(pressure_slope) * sign
+    def lost_power(self, motion: Motion) -> Batch:
+        return self.advance(np.zeros(0), motion).force * motion.velocity

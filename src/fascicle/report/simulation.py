@@ -47,14 +47,10 @@ class PolicyRun(NamedTuple):
     doubts: list[str]
 
 
-def report(
-    scenario: "Scenario", run: "Trajectory", audit: "Audit | None", doubts: Sequence[str], date: str
-) -> str:
-    """Page of a scenario's `run` [SI], as HTML: with its balances in `audit`, if its chamber has
-    some, `doubts`, reasons not to trust it, and the `date` of the day, such as "2026-05-04".
+def report(scenario: "Scenario", run: "Trajectory", audit: "Audit", date: str) -> str:
+    """Page of a scenario's `run` [SI] with its `audit`, as HTML; `date` of the day, such as
+    "2026-05-04".
     """
-    from ..dynamics import events
-
     plant, control = scenario.plant, None
     if (controlled := scenario.control) is not None:
         quantity, metrics = controlled.controller.of, run_metrics(controlled, run)
@@ -64,7 +60,7 @@ def report(
             "unreachable": unreachable_message(plant, quantity, metrics),
         }
     components = (plant.load, plant.chamber, plant.supply, plant.valve, plant.spool)
-    balances = audit.balances if audit else ()
+    balances = audit.balances
     energies = [entry for entry in balances if entry.unit == "J" and entry.name != "first law"]
     rows = []
     for balance in balances:
@@ -79,18 +75,18 @@ def report(
         scenario=scenario,
         notes=scenario_notes(scenario),
         run=run,
-        doubts=doubts,
+        doubts=audit.doubts,
         control=control,
-        events=events(run),
+        events=audit.events,
         audit=audit,
-        worst=max(balances, key=lambda entry: entry.relative_residual, default=None),
+        worst=max(balances, key=lambda entry: entry.relative_residual),
         units=" and ".join(" + ".join(bundle) for bundle in counts),
         parts=", ".join(type(component).__name__ for component in components),
         steps=len(run.time) - 1,
         turns=plant.load.unit == "rad",
         traces=picture(traces(plant, run, run_demand(scenario, run))),
         moments=position_table(plant, run),
-        energies=picture(energy_balances(energies)) if audit else None,
+        energies=picture(energy_balances(energies)),
         balances=rows,
     )
 

@@ -163,7 +163,6 @@ def _replace_actuator(model: Any, tendon: str) -> str:
 class Tendons(AbstractLoad):
     """Load of so many `bundles` on tendons: MuJoCo, which has inertia, forces and dampers."""
 
-    unit: ClassVar[str] = "m"
     prescribed: ClassVar[bool] = True
 
     bundles: int
@@ -171,26 +170,8 @@ class Tendons(AbstractLoad):
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
-        """(0 m, 1) for each bundle: the position is how far its tendon has shortened [m]."""
         return ((0.0, 1.0),) * self.bundles
 
     @property
     def inertia(self) -> Batch:
-        """Placeholder [kg]."""
-        return np.float64(1.0)
-
-    def force(self, position: Batch) -> Batch:
-        """Zero [N] at any `position` [m]."""
-        return 0.0 * position
-
-    potential = force
-
-    @property
-    def damper(self) -> Batch:
-        """Zero [SI]."""
-        return np.float64(0.0)
-
-    def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
-        """Position [m] and velocity [m/s] of MuJoCo, at any `time` [s]."""
-        del time
-        return position, velocity
+        return np.float64(1.0)  # any: it has no effect

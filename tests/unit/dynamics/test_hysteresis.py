@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from fascicle.core.errors import InvalidInputError
 from fascicle.dynamics import Coulomb, Dahl, MaxwellSlip
+from fascicle.muscle.hysteresis import Motion
 
 
 K, F, X = 4e3, 3.0, 2e-3  # of a muscle's braid, about
@@ -25,7 +26,7 @@ def walked(law, places, pressures=0.0):
     force, stored, lost = [np.zeros(())], [np.zeros(())], []
     for k in range(1, len(places)):
         way = np.float64(places[k] - places[k - 1])
-        slid = law.advance(kept, way, np.float64(0.0), (P[k - 1], P[k]), np.float64(0.0))
+        slid = law.advance(kept, Motion(way, np.float64(0), (P[k - 1], P[k]), np.float64(0)))
         kept = slid.spring_forces
         force.append(slid.force)
         stored.append(law.stored(kept))
@@ -111,11 +112,12 @@ def test_slip_rises_with_pressure():
 def test_width_of_coulomb_friction_is_a_pressure():
     friction, by_pressure = Coulomb(1e4), np.array([2e-4, -2e-4])
     fast = np.array([1.0, 1.0])
-    slid = friction.advance(np.zeros((2, 0)), 0 * fast, fast, (fast, fast), by_pressure)
+    motion = Motion(0 * fast, fast, (fast, fast), by_pressure)
+    slid = friction.advance(np.zeros((2, 0)), motion)
     # against the motion, whichever way the force goes with pressure
     assert_allclose(slid.force, 1e4 * 2e-4, rtol=1e-14)
-    assert_allclose(friction.lost_power(-fast, fast, by_pressure), 2.0, rtol=1e-14)
-    at_v0 = friction.advance(np.zeros((2, 0)), 0 * fast, 1e-3 * fast, (fast, fast), by_pressure)
+    assert_allclose(friction.lost_power(motion._replace(velocity=-fast)), 2.0, rtol=1e-14)
+    at_v0 = friction.advance(np.zeros((2, 0)), motion._replace(velocity=1e-3 * fast))
     assert_allclose(at_v0.force / slid.force, np.tanh(1), rtol=1e-14)
 
 
@@ -123,7 +125,7 @@ def test_width_of_coulomb_friction_is_a_pressure():
 def test_gradients_are_finite_at_rest(friction):
     def force(way):
         none = 0.0 * way
-        return friction.advance(np.zeros(1), way, none, (none, none), none).force
+        return friction.advance(np.zeros(1), Motion(way, none, (none, none), none)).force
 
     # at rest a spring is bent by k
     assert_allclose(jax.grad(force)(0.0), K, rtol=1e-12)

@@ -31,7 +31,6 @@ def test_a_stop_pushes_one_way_only():
     assert_allclose(stop.force(q, 0 * q)[0], [-100, 0, 0, 0, 100], rtol=1e-12)
     # it doesn't pull back what leaves faster than its spring pushes
     assert_array_equal(stop.force(np.array([0.21, -0.11]), np.array([-2.0, 2.0]))[0], 0)
-    assert_array_equal(stop.is_touched(q), [True, False, False, False, True])
 
 
 def test_a_stop_reports_its_damper_separately():

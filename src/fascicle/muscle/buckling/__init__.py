@@ -149,7 +149,7 @@ class AbstractBuckling(AbstractLaw):
         """First strain [-] at which a `column` bows, inf if it never does; of its branch."""
         return column.branch.onset
 
-    def folds(self, column: BucklingColumn) -> tuple[Batch, ...]:  # noqa: ARG002 of other laws
+    def folds(self, column: BucklingColumn) -> tuple[Batch, ...]:
         """Strains [-] past the onset at which the force jumps, or inf; none by default."""
         return ()
 

@@ -87,7 +87,7 @@ class SteinHedgepeth1961(AbstractCollapse):
 
     factor: Batch = FACTOR.field()
 
-    def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:  # noqa: ARG002 a membrane has no modulus
+    def moment(self, bladder: Bladder, youngs_modulus: BatchLike, pressure: BatchLike) -> Batch:
         """Collapse moment $\\pi P r_0^3$ [N·m] times `factor`; `youngs_modulus` doesn't count."""
         return self.factor * np.pi * pressure * bladder.braid.radius**3
 

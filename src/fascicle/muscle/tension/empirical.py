@@ -116,7 +116,7 @@ class AbstractSarosi(AbstractEmpirical):
     )  # fmt: skip
     rows_source, free = "Sárosi (2012)", tuple(name for name, *_ in rows)
 
-    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:  # noqa: ARG002 of one size
+    def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
         """Terms that grow with pressure, and the others [N], equation (S)."""
         a, b, c, d, e, f = self._numbers()
         fading = exp(c * strain)
