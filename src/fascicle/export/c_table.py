@@ -81,6 +81,13 @@ class BundleTables(NamedTuple):
         return _LOWEST, min(float(surface.highest_pressure) for surface in self.surfaces)
 
     @property
+    def supply_pressure(self) -> float:
+        """Gauge pressure [Pa] of the controller's supply, or the highest of the tables."""
+        if self.controller is not None:
+            return self.controller.plant.supply_pressure
+        return self.highest_supply
+
+    @property
     def highest_supply(self) -> float:
         """Highest supply pressure of the inverse [Pa]."""
         return float(f"{self.pressures[1]:.13g}")  # without the rounding of its root
@@ -155,20 +162,18 @@ def table_code(
     highest_pressure: Values = None,
     shape: tuple[int, int] | None = None,
 ) -> tuple[str, str]:
-    """Header and source of a muscle's or bundle's table in C.
+    """Header and source of a table in C.
 
     **Arguments:**
 
-    - `target`: the muscle or bundle, with numbers, not arrays; or a `Cascade` that controls a
-      bundle's force on gas by "orderly" or "threshold", whose step is written as well.
+    - `target`: a muscle or bundle with numbers, not arrays; or a `Cascade` that controls a bundle's
+      force on gas by "orderly" or "threshold", whose step is written as well.
     - `name`: prefix of all names in C.
     - `precision`: type of numbers in C, "double" or "float".
-    - `highest_pressure`: highest gauge pressure of the table [Pa]; default: the bundle's supply
-      pressure, or 1 MPa.
+    - `highest_pressure`: gauge [Pa]; default: the bundle's supply pressure, or 1 MPa.
     - `shape`: nodes in pressure and in strain; default: 65 and 81, of floats 33 and 41.
 
-    **Raises:** `ValueError` for a name that C doesn't allow, anything but one muscle or bundle, and
-    invalid pressures and shapes.
+    **Raises:** `ValueError` for a name that C doesn't allow, and other invalid arguments.
     """
     return tabulate(target, precision, highest_pressure, shape).code(check_c_name(name))
 
@@ -294,16 +299,10 @@ def _rounding_error(surface: MuscleTable) -> float:
 
 
 def _inverse_code(
-    bundle: Bundle,
-    highest: float,
-    meets: float,
-    names: dict[str, Any],
-    number: Callable[[float], str],
+    bundle: Bundle, highest: float, meets: float, names: dict[str, Any], number: Callable
 ) -> dict[str, Any]:
-    """Values of the templates for the inverse of a bundle in C, besides the `names`.
-
-    `highest` supply pressure [Pa]; a force within `meets` of the demand meets it [N]; `number`
-    formats a number.
+    """Values of the templates for the inverse of a bundle in C, besides the `names`: up to the
+    `highest` supply pressure [Pa], forces within `meets` of the demand [N]; `number` formats one.
     """
     kinds = unique_indices([unit.muscle for unit in bundle.motor_units])[1]
     states = states_of(bundle.scheme, len(kinds))

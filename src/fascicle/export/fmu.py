@@ -79,15 +79,13 @@ def write_fmu(
 
     - `target`: the muscle or bundle, or a `Cascade` as for `table_code`.
     - `path`: the file, which ends in .fmu.
-    - `name`: name of the model, a name in C.
-    - `sample_time`: step that the unit suggests to its host [s]; default: 1 ms, or the
-      controller's.
-    - `platform`: platform of the binary, as FMI names it; default: this one. MinGW builds that of
-      Windows elsewhere.
+    - `name`: of the model, a name in C.
+    - `sample_time`: step suggested to the host [s]; default: 1 ms, or the controller's.
+    - `platform`: of the binary, as FMI names it; default: this one. MinGW builds that of Windows
+      elsewhere.
 
-    **Raises:** `ValueError` as `table_code`, and for a sample time that isn't positive, or an
-    unknown platform; `UnbuiltUnitError` if there is no compiler for it: the file is written with
-    its sources.
+    **Raises:** `ValueError` as `table_code`, and for an invalid sample time or platform;
+    `UnbuiltUnitError` without a compiler for it: the file is written with its sources.
     """
     path = Path(path)
     folder = _this_platform() if platform is None else check_choice(platform, _SUFFIXES, "platform")
@@ -103,15 +101,9 @@ def write_fmu(
         step = period
     header, source = tables.code(name)
     guid = hashlib.sha256((header + source).encode()).hexdigest()[:32]
-    values = {
-        "name": name,
-        "guard": name.upper(),
-        "controls": int(tables.controller is not None),
-        "guid": guid,
-        "sample_time": repr(step),
-        "supply_pressure": repr(_supply_pressure(tables)),
-        **tables.limits_as_text,
-    }
+    values = {"name": name, "guard": name.upper(), "guid": guid, "sample_time": repr(step)}
+    values |= {"controls": int(tables.controller is not None)} | tables.limits_as_text
+    values |= {"supply_pressure": repr(tables.supply_pressure)}
     sources = {f"{name}.h": header, f"{name}.c": source, "fmu.c": render_template("fmu.c", values)}
     files = {"modelDescription.xml": _description(tables, name, guid, step)}
     files |= {f"sources/{file}": text.encode() for file, text in sources.items()}
@@ -136,54 +128,40 @@ def write_fmu(
 
 def variables(tables: BundleTables) -> list[FmuVariable]:
     """The numbers of an FMU, in the order of their references."""
-    units, new = range(1, len(tables.kinds) + 1), FmuVariable
-    supply = _supply_pressure(tables)
-    inputs = [new(f"pressure_{i}", "Pa", True, f"gauge pressure of unit {i}") for i in units]
-    inputs += [
-        new("strain", "1", True, "contraction over the plates' distance at rest"),
-        new("demand", "N", True, "demanded force"),
-        new("supply_pressure", "Pa", True, "gauge pressure of supply, measured", supply),
+    units, status = range(1, len(tables.kinds) + 1), "0: reached, 1: above what is reachable"
+    inputs = [(f"pressure_{i}", "Pa", f"gauge pressure of unit {i}") for i in units]
+    inputs += [("strain", "1", "contraction over the plates' distance at rest")]
+    inputs += [("demand", "N", "demanded force")]
+    inputs += [("supply_pressure", "Pa", "gauge pressure of supply, measured")]
+    outputs = [("force", "N", "force that pulls the plates together")]
+    outputs += [(f"volume_{i}", "m3", f"volume of all muscles of unit {i}") for i in units]
+    outputs += [
+        (f"setpoint_{i}", "Pa", f"gauge pressure of unit {i} for the demand") for i in units
     ]
-    outputs = [new("force", "N", False, "force that pulls the plates together")]
-    volume, setpoint = "volume of all muscles of unit", "gauge pressure of unit"
-    outputs += [new(f"volume_{i}", "m3", False, f"{volume} {i}") for i in units]
-    outputs += [new(f"setpoint_{i}", "Pa", False, f"{setpoint} {i} for the demand") for i in units]
-    outputs.append(new("reached_force", "N", False, "force at the setpoints"))
+    outputs += [("reached_force", "N", "force at the setpoints")]
     if tables.controller is not None:
-        inputs.append(new("strain_rate", "1/s", True, "rate of strain, measured"))
-        inputs.append(new("measured_force", "N", True, "force, measured"))
-        command = "command of unit {}'s valve, -1 to 1"
-        outputs += [new(f"command_{i}", "1", False, command.format(i)) for i in units]
-    status = "0: reached, 1: above what is reachable, 2: below it, 3: no supply pressure"
-    integers = [
-        new("recruitment_state", None, False, "recruitment state of the setpoints, from 1"),
-        new("demand_status", None, False, status),
+        inputs += [("strain_rate", "1/s", "rate of strain, measured")]
+        inputs += [("measured_force", "N", "force, measured")]
+        outputs += [(f"command_{i}", "1", f"command of unit {i}'s valve, -1 to 1") for i in units]
+    integers = [("recruitment_state", None, "recruitment state of the setpoints, from 1")]
+    integers += [("demand_status", None, f"{status}, 2: below it, 3: no supply pressure")]
+    start = {"supply_pressure": tables.supply_pressure}
+    return [
+        FmuVariable(name, unit, is_input, text, start.get(name, 0.0))
+        for numbers, is_input in ((inputs, True), (outputs, False), (integers, False))
+        for name, unit, text in numbers
     ]
-    return inputs + outputs + integers
-
-
-def _supply_pressure(tables: BundleTables) -> float:
-    """Gauge pressure [Pa] of a controller's supply, or the highest of the tables."""
-    plant = tables.controller.plant if tables.controller else None
-    return plant.supply_pressure if plant else tables.highest_supply
 
 
 def _description(tables: BundleTables, name: str, guid: str, step: float) -> bytes:
     """The FMU's `modelDescription.xml`."""
-    root = ET.Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=name,
-        guid=guid,
-        description="Fluidic artificial muscles, force and volume from one table of co-energy",
-        version=__version__,
-        generationTool=f"fascicle {__version__}",
-        variableNamingConvention="flat",
-        numberOfEventIndicators="0",
-    )
-    simulation = ET.SubElement(
-        root, "CoSimulation", modelIdentifier=name, canHandleVariableCommunicationStepSize="true"
-    )
+    about = "Fluidic artificial muscles, force and volume from one table of co-energy"
+    head = {"fmiVersion": "2.0", "modelName": name, "guid": guid, "description": about}
+    head |= {"version": __version__, "generationTool": f"fascicle {__version__}"}
+    head |= {"variableNamingConvention": "flat", "numberOfEventIndicators": "0"}
+    root = ET.Element("fmiModelDescription", head)
+    options = {"modelIdentifier": name, "canHandleVariableCommunicationStepSize": "true"}
+    simulation = ET.SubElement(root, "CoSimulation", options)
     files = ET.SubElement(simulation, "SourceFiles")
     for file in ("fmu.c", f"{name}.c"):
         ET.SubElement(files, "File", name=file)
@@ -197,15 +175,11 @@ def _description(tables: BundleTables, name: str, guid: str, step: float) -> byt
     outputs, references = [], {"Real": 0, "Integer": 0}
     for index, variable in enumerate(variables(tables), start=1):
         kind = "Real" if variable.unit else "Integer"
-        scalar = ET.SubElement(
-            model_variables,
-            "ScalarVariable",
-            name=variable.name,
-            valueReference=str(references[kind]),
-            description=variable.description,
-            variability="continuous" if variable.unit else "discrete",
-            causality="input" if variable.is_input else "output",
-        )
+        facts = {"name": variable.name, "valueReference": str(references[kind])}
+        facts |= {"description": variable.description}
+        facts |= {"variability": "continuous" if variable.unit else "discrete"}
+        facts |= {"causality": "input" if variable.is_input else "output"}
+        scalar = ET.SubElement(model_variables, "ScalarVariable", facts)
         references[kind] += 1
         number = ET.SubElement(scalar, kind, {"unit": variable.unit} if variable.unit else {})
         if variable.is_input:

@@ -22,6 +22,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -125,21 +126,19 @@ class Drive(Module):
             remedy = "give supply, chamber and valve, or none of them"
             raise InvalidInputError(missing[0], "is missing", None, remedy)
         if chamber is not None and not isinstance(chamber, AbstractMassChamber):
-            rule, kind = "must be one whose state is its mass", type(chamber).__name__
-            raise InvalidInputError(
-                "chamber", rule, chamber, "take Isothermal or LiquidChamber", shown=kind
-            )
+            rule, remedy = "must be one whose state is its mass", "take Isothermal or LiquidChamber"
+            kind = type(chamber).__name__
+            raise InvalidInputError("chamber", rule, chamber, remedy, shown=kind)
         if isinstance(attached, Attached) or not attached:
             rule = "must be a list of at least one bundle"
             raise InvalidInputError("attached", rule, None, "write [attached]")
         bundles = [entry.bundle for entry in attached]
         if supply is None or chamber is None or valve is None:
             limit = HIGHEST_PRESSURE
-            if highest_pressure is None:
-                supplies = [x.supply_pressure for x in bundles if x.supply_pressure is not None]
-                # the tables reach a fifth beyond the supply's pressure
-                top = max(map(float, supplies), default=limit / 1.2)
-            else:
+            supplies = [x.supply_pressure for x in bundles if x.supply_pressure is not None]
+            # the tables reach a fifth beyond the supply's pressure
+            top = max(map(float, supplies), default=limit / 1.2)
+            if highest_pressure is not None:
                 top = float(check_interval(highest_pressure, 0.0, limit, "highest_pressure", "Pa"))
             # a plant needs a valve; commands are pressures here, so none of its flow counts
             supply, chamber, valve = ConstantSupply(top), Isothermal(), SonicValve(1e-9, 0.3)
@@ -160,18 +159,11 @@ class Drive(Module):
         if not fluid.inside:
             side = plant.sides[int(np.flatnonzero(fluid.status)[0])]
             length, rest_length = data.actuator_length[indices[side]], rest_lengths[side]
-            remedy = (
-                f"the tendon begins {length:.4g} m long, `rest_length` is {rest_length:.4g} m:"
-                " `fascicle.robots.size` chooses one"
-            )
+            remedy = f"the tendon begins {length:.4g} m long, `rest_length` is {rest_length:.4g} m:"
+            remedy += " `fascicle.robots.size` chooses one"
             rule = f"begin outside of a table: the {drive._describe(fluid.status)}"
             raise InvalidInputError("attached", rule, None, remedy)
         return drive
-
-    def __repr__(self) -> str:
-        """Tendons, the number of motor units, and what a command is."""
-        command = "valves" if self.valved else "pressures"
-        return f"<Drive of {', '.join(self.tendons)}: {self.units} motor units, {command}>"
 
     @property
     def units(self) -> int:
@@ -256,18 +248,12 @@ class Drive(Module):
         return Fluid(chambers, P, spool, supply, inside, x, status, xp.zeros(()))
 
     def step(self, model: Any, data: Any, fluid: Fluid, command: Values, act: Any = None) -> Fluid:
-        """Step MuJoCo's `data`; returns the fluid after the step [SI].
+        """Step MuJoCo's `data` of a `model`: the fluid [SI] after it, from the `fluid` before it.
 
-        **Arguments:**
-
-        - `model`, `data`: MuJoCo's.
-        - `fluid`: before the step [SI].
-        - `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
-        - `act`: `jax.jit(drive.act)`, for many steps; left out, NumPy's, without compilation.
-
+        `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
+        `act`: `jax.jit(drive.act)`, for many steps; left out, NumPy's, without compilation.
         A `TableWarning` says that a muscle has left its table; `status` of the fluid says which.
-
-        **Raises:** `InvalidInputError` for a command that is none, and a simulation that diverges.
+        `InvalidInputError` for a command that is none, and a simulation that diverges.
         """
         check = validate_commands if self.valved else partial(self._check_pressures, name="command")
         values = np.asarray(check(command), float)
@@ -292,24 +278,18 @@ class Drive(Module):
     def act(
         self, fluid: Fluid, lengths: Numbers, command: Numbers, dt: Batch
     ) -> tuple[Fluid, Numbers]:
-        """One step of the bundles: the fluid after it [SI], and each bundle's pull in it [N].
-
-        **Arguments:**
-
-        - `fluid`: before the step [SI].
-        - `lengths`: of the bundles' tendons, of this step [m].
-        - `command`: of the valves [-]; without valves, pressures [Pa].
-        - `dt`: the step [s].
+        """One step `dt` [s] of the bundles: the fluid [SI] after it from that before, and each
+        bundle's pull in it [N], at `lengths` of their tendons in this step [m], under a `command`
+        of the valves [-], or without valves of pressures [Pa].
         """
         plant, solve, P = self.plant, self.series.contractions, fluid.pressures
         contraction, start, after = self.rest_lengths - lengths, fluid.contractions, fluid
         xp = array_namespace(contraction, P)
         if not self.valved:
             P = command + 0.0 * P
-            x = solve(plant, contraction, P, None, start)
-        else:
-            closed = fluid.chambers
-            x = solve(plant, contraction, P, closed, start)
+        closed = fluid.chambers if self.valved else None
+        x = solve(plant, contraction, P, closed, start)
+        if self.valved:
             P = solve_pressures(plant, closed, bundle_strains(plant, x), P, NEWTON_STEPS)
             state = State(0.0, 0.0, fluid.spool, closed, P, fluid.supply)
             flows = evaluate_flows(plant, state, P, command)
@@ -327,17 +307,11 @@ class Drive(Module):
         return after, self._pull(P, x)
 
     def step_mjx(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> tuple[Any, Fluid]:
-        """One step of MJX, under `jit`, `vmap` and forward derivatives; nothing is checked, and
-        `fluid.inside` is false after a step outside of the muscles' tables.
+        """MJX's data and fluid [SI] after one step, under `jit`, `vmap` and forward derivatives.
 
-        **Arguments:**
-
-        - `model`, `data`: MJX's.
-        - `fluid`: before the step [SI]; that of `start` is best put where MJX's data are, by
-          `jax.device_put(fluid, data.qpos.device)`: else the second step compiles again.
-        - `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
-
-        **Returns:** data and fluid after the step [SI].
+        MJX's `model` and `data`, and the `fluid` before the step [SI], best where the data are, by
+        `jax.device_put(fluid, data.qpos.device)`: else the second step compiles again; `command` as
+        of `step`. Nothing is checked: `fluid.inside` is false outside of the muscles' tables.
         """
         engine, indices = mjx(), np.array(self.actuators)
         lengths = engine.fwd_position(model, data).actuator_length[indices]
@@ -350,8 +324,6 @@ def with_types(after: Any, before: Any) -> Any:
     """Data `after` a function of MJX with the types of those `before`: with 64 bits some whole
     numbers come back wider, which no loop accepts.
     """
-    import jax
-
     return jax.tree.map(lambda x, y: jnp.asarray(x, y.dtype), after, before)
 
 

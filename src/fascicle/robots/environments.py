@@ -155,7 +155,6 @@ class Environment(gymnasium.Env):
         and what is measured [SI].
         """
         super().reset(seed=seed)
-        del options
         mujoco.mj_resetData(self.model, self.data)
         self.target = float(self.np_random.uniform(self.task.low, self.task.high))
         self.fluid = self.drive.start(self.model, self.data, START)
@@ -178,11 +177,11 @@ class Environment(gymnasium.Env):
         """Observation [-] and what is measured [SI]; draws the window of the mode "human"."""
         if self.render_mode == "human":
             self.render()
-        fluid, pressures = self.fluid, np.asarray(self.fluid.pressures)
+        pressures, air = np.asarray(self.fluid.pressures), float(self.fluid.consumption)
         position, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
         forces = -self.data.actuator_force[list(self.drive.actuators)]
         info = {"position": position, "target": self.target, "pressures": pressures}
-        info |= {"forces": forces, "air": float(fluid.consumption)}
+        info |= {"forces": forces, "air": air}
         row = self.task.observation(np.float64(position), speed, self.target, pressures)
         return row.astype(np.float32), info
 
@@ -224,10 +223,8 @@ class Environment(gymnasium.Env):
                 warnings.simplefilter("ignore")  # of GLFW without a display: the error says it
                 return mujoco.Renderer(self.model, height=480, width=640)
         except (mujoco.FatalError, RuntimeError, ImportError, AttributeError) as error:
-            remedy = "set MUJOCO_GL=egl (or osmesa) before MuJoCo is imported"
-            raise RuntimeError(
-                f"render_mode 'rgb_array' needs OpenGL: {remedy} ({error})."
-            ) from error
+            remedy = f"set MUJOCO_GL=egl (or osmesa) before MuJoCo is imported ({error})"
+            raise RuntimeError(f"render_mode 'rgb_array' needs OpenGL: {remedy}.") from error
 
     def close(self) -> None:
         """Close the window."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.types import Numbers
-from ..dynamics.muscles import AbstractMuscles, MuscleWrapper
+from ..dynamics.muscles import AbstractMuscles, MuscleTables, MuscleWrapper
 from ..muscle.table import MuscleState
 
 
@@ -39,10 +39,11 @@ _MESSAGES = (
 class SoftEnds(MuscleWrapper):
     """`muscles` that go on as springs of an `edge_stiffness` [N] below their lowest strain."""
 
+    muscles: MuscleTables
     edge_stiffness: Numbers
 
     @classmethod
-    def from_muscles(cls, muscles: AbstractMuscles) -> "SoftEnds":
+    def from_muscles(cls, muscles: MuscleTables) -> "SoftEnds":
         """Springs as stiff as the `muscles` are at the low ends of their tables, at most."""
         low = np.asarray(muscles.strains[0])
         pressures = np.linspace(0.0, np.asarray(muscles.highest_pressure), 51)
@@ -50,8 +51,7 @@ class SoftEnds(MuscleWrapper):
         return cls(muscles, np.max(np.maximum(-slopes, 0.0), axis=0))
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
-        """State of one muscle of each unit at its `pressure` [Pa] and `strain` [-]."""
-        low, K, L0 = self.muscles.strains[0], self.edge_stiffness, self.rest_length
+        low, K, L0 = self.muscles.strains[0], self.edge_stiffness, self.muscles.table.rest_length
         edge = self.muscles.at(pressure, maximum(strain, low))
         past = minimum(strain - low, 0.0)
         return edge._replace(
@@ -60,11 +60,6 @@ class SoftEnds(MuscleWrapper):
             volume=edge.volume + L0 * edge.force_by_pressure * past,
             force_by_strain=where(past < 0, -K, edge.force_by_strain),
         )
-
-    @property
-    def rest_length(self) -> Numbers:
-        """Length at rest [m], of each unit."""
-        return self.muscles.table.rest_length  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def table_status(muscles: AbstractMuscles, pressures: Numbers, strains: Numbers) -> Any:

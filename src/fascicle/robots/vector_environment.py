@@ -127,7 +127,6 @@ class VectorEnvironment(VectorEnv):
         """Start an episode of each: `seed`s of the generators, or the first one of them. Returns
         observations, and what is measured [SI].
         """
-        del options
         if seed is not None:
             seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
             self._generators = [np_random(number)[0] for number in seeds]
@@ -148,9 +147,8 @@ class VectorEnvironment(VectorEnv):
         fresh = self._over.copy()
         if fresh.any():
             self._begin(fresh)
-        self._state, rewards, inside = self._step(
-            self._drives, *self._state, self._goals, actions, fresh
-        )
+        state = *self._state, self._goals
+        self._state, rewards, inside = self._step(self._drives, *state, actions, fresh)
         self._steps += ~fresh
         terminated = ~np.asarray(inside)
         truncated = (self._steps >= self.limit) & ~terminated
@@ -228,8 +226,7 @@ def _vector_of(
         data, fluid, target = episode
         return task.observation(data.qpos[0], data.qvel[0], target, fluid.pressures)
 
-    def reward(episode: Episode, action: Any) -> Any:
-        del action
+    def reward(episode: Episode, _: Any) -> Any:
         return -jnp.abs(episode.data.qpos[0] - episode.goal) / task.reach
 
     def measure(episode: Episode) -> dict[str, Any]:
