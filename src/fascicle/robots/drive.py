@@ -144,7 +144,7 @@ class Drive(Module):
             supply, chamber, valve = ConstantSupply(top), Isothermal(), SonicValve(1e-9, 0.3)
         load = Tendons(bundles=len(bundles))
         plant = Plant(bundles, load, supply, chamber, valve, exhaust_valve, spool, shape=shape)
-        plant = with_fields(plant, muscles=SoftEnds.from_muscles(plant.muscles))
+        plant = with_fields(plant, muscles=SoftEnds.from_muscles(plant.muscles, plant.lengths))
         indices, names = zip(*(entry.actuator_in(model) for entry in attached), strict=True)
         if len(set(indices)) < len(indices):
             rule = f"must name each actuator once, got {', '.join(x.actuator for x in attached)}"

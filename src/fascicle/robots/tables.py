@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.types import Numbers
-from ..dynamics.muscles import AbstractMuscles, MuscleTables, MuscleWrapper
+from ..dynamics.muscles import AbstractMuscles, MuscleWrapper
 from ..muscle.table import MuscleState
 
 
@@ -37,21 +37,23 @@ _MESSAGES = (
 
 
 class SoftEnds(MuscleWrapper):
-    """`muscles` that go on as springs of an `edge_stiffness` [N] below their lowest strain."""
+    """`muscles` of given `lengths` at rest [m] that go on as springs of an `edge_stiffness` [N]
+    below their lowest strain.
+    """
 
-    muscles: MuscleTables
+    lengths: Numbers
     edge_stiffness: Numbers
 
     @classmethod
-    def from_muscles(cls, muscles: MuscleTables) -> "SoftEnds":
+    def from_muscles(cls, muscles: AbstractMuscles, lengths: Numbers) -> "SoftEnds":
         """Springs as stiff as the `muscles` are at the low ends of their tables, at most."""
         low = np.asarray(muscles.strains[0])
         pressures = np.linspace(0.0, np.asarray(muscles.highest_pressure), 51)
         slopes = np.asarray(muscles.at(pressures, low + 0.0 * pressures).force_by_strain)
-        return cls(muscles, np.max(np.maximum(-slopes, 0.0), axis=0))
+        return cls(muscles, lengths, np.max(np.maximum(-slopes, 0.0), axis=0))
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
-        low, K, L0 = self.muscles.strains[0], self.edge_stiffness, self.muscles.table.rest_length
+        low, K, L0 = self.muscles.strains[0], self.edge_stiffness, self.lengths
         edge = self.muscles.at(pressure, maximum(strain, low))
         past = minimum(strain - low, 0.0)
         return edge._replace(
