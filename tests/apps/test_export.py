@@ -15,8 +15,7 @@ def test_a_table_is_written_and_says_how_far_it_is_off(fascicle, tmp_path):
 def test_a_scenarios_controller_is_written_as_a_step(fascicle, tmp_path):
     from fascicle.files import example_text
 
-    text = example_text("ramp_hand_over")
-    (tmp_path / "ramp.toml").write_text(text.replace('"hand_over"  ', '"threshold"'))
+    (tmp_path / "ramp.toml").write_text(example_text("ramp_hand_over"))
     code, _, err = fascicle("export", "ramp.toml", "--table", "code", "--name", "ramp")
     assert (code, err) == (0, "")
     header = (tmp_path / "code" / "ramp.h").read_text()

@@ -55,7 +55,7 @@ from .step_response import LoopMargins, loop_margins
 from .units import ControlledUnits, UnitDemand, evaluate_capability
 
 
-_FILTER = 0.02  # s, of a demand's rate: longer than its steps, shorter than a hand-over
+RATE_FILTER = 0.02  # s, of a demand's rate: longer than its steps, shorter than a hand-over
 _STEP = 1e3  # Pa, for a content's slope: far above rounding, far below a supply
 _STRAIN = 1e-4  # for the same slope by strain
 FASTEST = 3e-3  # s, a pressure's time constant without any lateness
@@ -214,7 +214,7 @@ class Cascade(Module):
         demand = command + memory.force_integral - disturbance
         force_integral = memory.force_integral + gains.force_integral * force_error * dt
         change = jnp.where(started, (command - memory.demand) / dt, 0.0)
-        fraction = dt / (dt + _FILTER)
+        fraction = dt / (dt + RATE_FILTER)
         if self.of == "force":
             # at first the mean of all changes: a filter that begins at zero would see a ramp too
             # late. Of a position the first changes are its error's, whose mean says nothing

@@ -132,8 +132,8 @@ def _fit(elapsed: np.ndarray, pressure: np.ndarray, degree: int) -> StepResponse
     guess = min(guesses, key=lambda values: float(np.sum(residuals(values) ** 2)))
     fit = least_squares(residuals, guess, bounds=(0.0, 1.0), x_scale=0.05, diff_step=1e-3)
     variance = 2 * fit.cost / max(len(elapsed) - degree - 3, 1)
-    alike = max(float(fit.fun[1:] @ fit.fun[:-1] / max(fit.fun @ fit.fun, 1e-300)), 0.0)
-    variance *= (1 + alike) / (1 - alike)
+    correlation = max(float(fit.fun[1:] @ fit.fun[:-1] / max(fit.fun @ fit.fun, 1e-300)), 0.0)
+    variance *= (1 + correlation) / (1 - correlation)
     covariance = variance * np.linalg.pinv(fit.jac.T @ fit.jac)
     errors = span * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     # a flat row has no slope, whose inverse would claim certainty

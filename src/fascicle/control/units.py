@@ -34,9 +34,9 @@ from .branches import Branches
 
 CLOSE = 0.95  # of the supply: nearer a gas hardly flows, and a hand-over would take forever
 SLACK = 1.2  # of a valve's time: pressures couldn't follow a ramp at the valve's limit
-_CHORD = 0.85  # of the supply: the highest beginning of a chord up to `CLOSE`
+CHORD = 0.85  # of the supply: the highest beginning of a chord up to `CLOSE`
 _LEGS = np.linspace(0.0, 1.0, 5)  # of a climb, each at its own flow: within 2 % up to `CLOSE`
-_LATE = 0.25  # of the onset, where venting is slow, but does not yet stop
+LATE = 0.25  # of the onset, where venting is slow, but does not yet stop
 
 
 class AbstractValves(Module):
@@ -235,11 +235,11 @@ def evaluate_capability(units: ControlledUnits, demand: UnitDemand) -> UnitCapab
     end = minimum(onset, CLOSE * top)
     flow, _ = units.valve_flows(end, top)
     shortfall = where(adds_force, full - n * units.branches.force(CLOSE * top, eps), 0.0)
-    _, out = units.valve_flows(_LATE * end, top)
+    _, out = units.valve_flows(LATE * end, top)
     content = maximum(units.fluid_mass(end, eps) - units.fluid_mass(zero, eps), 0.0)
     # floors against division by zero: a valve without flow fills no unit
     time, vent = content / maximum(flow, 1e-12), content / maximum(out, 1e-12)
-    level = minimum(maximum(demand.pressures, 0.0), _CHORD * top)
+    level = minimum(maximum(demand.pressures, 0.0), CHORD * top)
     climb = level + _LEGS[:, None] * (CLOSE * top - level)
     contents = units.fluid_mass(climb, eps)
     flow, _ = units.valve_flows((climb[1:] + climb[:-1]) / 2, demand.supply + zero)

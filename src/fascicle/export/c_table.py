@@ -149,7 +149,7 @@ class BundleTables(NamedTuple):
         values |= _inverse_code(self.bundle, self.highest_supply, meets, values, number)
         values["curves"] = render_template("table_curves.c", values)
         if self.controller is not None:
-            values |= template_values(self.controller, number)
+            values |= template_values(self.controller, values, number)
             values["controller"] = render_template("controller.h", values)
             values["controller_source"] = render_template("controller.c", values)
         return render_template("table.h", values), render_template("table.c", values)
@@ -167,7 +167,7 @@ def table_code(
     **Arguments:**
 
     - `target`: a muscle or bundle with numbers, not arrays; or a `Cascade` that controls a bundle's
-      force on gas by "orderly" or "threshold", whose step is written as well.
+      force on gas by any policy but "batch", whose step is written as well.
     - `name`: prefix of all names in C.
     - `precision`: type of numbers in C, "double" or "float".
     - `highest_pressure`: gauge [Pa]; default: the bundle's supply pressure, or 1 MPa.

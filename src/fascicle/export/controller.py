@@ -1,8 +1,9 @@
 """A cascade's step in C: its constants besides the muscles' tables.
 
-C covers the smallest set that controls a bundle's force: recruitment in turn, by the policies
-"orderly" and "threshold", pressures by the branches' inverse (K1), valves by (K3), and the force's
-integral with its anti-windup, on gas. Any controller can close a loop of position around it.
+C covers the smallest set that controls a bundle's force: recruitment by the policies "orderly",
+"threshold" and "hand_over", pressures by the branches' inverse (K1), valves by (K3), the observer
+of (K2a), and the force's integral with its anti-windup, on gas. Any controller can close a loop of
+position around it.
 """
 
 from collections.abc import Callable
@@ -14,14 +15,16 @@ import numpy as np
 from ..bundle import Bundle
 from ..control import Cascade
 from ..control.branches import Branches
-from ..control.policies import SequentialPolicy
+from ..control.controller import RATE_FILTER
+from ..control.policies import TOLERANCE, HandOverPolicy, SequentialPolicy
+from ..control.units import CHORD, CLOSE, LATE, SLACK
 from ..core.errors import InvalidInputError
 from ..dynamics import Plant
 from ..dynamics.muscles import MuscleTables
 from ..fluid import AdiabaticWall, Isothermal, SonicValve
 from ..fluid.fields import ROOM_TEMPERATURE
 from ..fluid.flow_elements import LAMINAR_FROM
-from .c_files import c_array, table_strains
+from .c_files import c_array, render_template, table_strains
 
 
 # chambers whose content the C code computes
@@ -29,7 +32,7 @@ _CHAMBERS = (Isothermal, AdiabaticWall)
 
 
 def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
-    """Copy of a `Cascade` of force, "orderly" or "threshold", of one bundle on gas, for C: with
+    """Copy of a `Cascade` of force, of one bundle on gas, for C: with
     tables of `shape` (pressure, strain), and acting at every step. `ValueError` for a controller
     whose step can't be written as C.
     """
@@ -39,7 +42,7 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
         (controller.of != "force", "is of position", "close that loop around one of force"),
         (plant.liquid, "is of a liquid", "use gas"),
         (not isinstance(plant.chamber, _CHAMBERS), "has a chamber that C doesn't have", ""),
-        (not _c_policy(controller), "has a policy that C doesn't have", "use orderly or threshold"),
+        (not _c_policy(controller), "has a policy that C doesn't have", "don't use batch"),
     )
     for is_violated, reason, remedy in limitations:
         if is_violated:
@@ -54,8 +57,12 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
     return attrs.evolve(controller, units=units, dt=controller.dt * controller.every, every=1)
 
 
-def template_values(controller: Cascade, number: Callable[[float], str]) -> dict[str, Any]:
-    """Values of the C template for a controller on its table; `number` formats one number."""
+def template_values(
+    controller: Cascade, names: dict[str, Any], number: Callable[[float], str]
+) -> dict[str, Any]:
+    """Values of the C template for a controller on its table, besides the `names`; `number` formats
+    one number.
+    """
     units, gains, policy = controller.units[0], controller.gains, controller.policies[0]
     branches, chamber, count = units.branches, units.chamber, units.count
     temperature = float(chamber.room_temperature)
@@ -73,7 +80,8 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
             constants[:, back, 1], constants[:, back, 2] = b, valve.m
         return c_array(constants, number)
 
-    return {
+    dt, observer = float(controller.dt * controller.every), float(gains.observer_time)
+    values = {
         "branch_count": len(branches.onsets),
         "branch_of": c_array(np.asarray(branches.muscles.indices)),
         "policy": _c_policy(controller),
@@ -82,7 +90,17 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
         "branches": c_array(branches.pressures, number),
         "branch_top": number(branches.top),
         "highest_pressure": number(controller.highest_pressure),
-        "dt": number(controller.dt * controller.every),
+        "dt": number(dt),
+        "observed": number(dt / (dt + observer)),
+        "filtered": number(dt / (dt + RATE_FILTER)),
+        "dips": c_array(branches.dips, number),
+        "dip_pressures": c_array(branches.dip_pressures, number),
+        "correction": number(gains.pressure_time + (observer if np.isfinite(observer) else 0.0)),
+        "tolerance": number(TOLERANCE),
+        "slack": number(SLACK),
+        "near_supply": number(CLOSE),
+        "chord": number(CHORD),
+        "late": number(LATE),
         "force_gain": number(gains.force),
         "force_integral": number(gains.force_integral),
         "pressure_time": number(gains.pressure_time),
@@ -96,6 +114,8 @@ def template_values(controller: Cascade, number: Callable[[float], str]) -> dict
         "exhaust_valve": valve(units.exhaust_valve, (temperature, temperature)),
         "linear": number(LAMINAR_FROM),
     }
+    file = "policy_hand_over.c" if values["policy"] == "hand_over" else "policy_in_turn.c"
+    return values | {"policy_code": render_template(file, names | values)}
 
 
 def single_bundle(plant: Plant) -> Bundle:
@@ -109,6 +129,8 @@ def single_bundle(plant: Plant) -> Bundle:
 def _c_policy(controller: Cascade) -> str | None:
     """Name of the controller's policy in C; `None` for one that C doesn't have."""
     policy = next(iter(controller.policies))
+    if isinstance(policy, HandOverPolicy):
+        return "hand_over"
     if not isinstance(policy, SequentialPolicy):
         return None
     return "threshold" if float(policy.parks) else "orderly"

@@ -33,13 +33,17 @@ def make_plant(chamber=None, valve=None):
 CASES = {
     "orderly": ("orderly", {}),
     "threshold": ("threshold", {}),
+    "hand_over": ("hand_over", {}),
     "hose": ("threshold", {"valve": fluid.SonicValve(1e-9, 0.3, line=fluid.Line(1.0, 4e-3))}),
     "wall": ("orderly", {"chamber": fluid.AdiabaticWall(0.5, dead_volume=3e-6)}),
 }
 
 
+MEMORY = "force_integral recruited direction withheld disturbance demand rate samples"
+
+
 class Memory(ctypes.Structure):
-    _fields_ = (("force_integral", NUMBER), ("recruited", NUMBER))
+    _fields_ = tuple((name, NUMBER) for name in MEMORY.split())
 
 
 def measure(rng, count):
@@ -57,7 +61,7 @@ def measure(rng, count):
 @pytest.mark.parametrize(
     "case",
     [
-        pytest.param(case, marks=() if case in ("hose", "threshold") else pytest.mark.slow)
+        pytest.param(case, marks=() if case in ("hose", "hand_over") else pytest.mark.slow)
         for case in CASES
     ],
 )
@@ -89,13 +93,54 @@ def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
         assert np.all(error <= TOLERANCE + rounding)
         exact += np.all(error <= TOLERANCE)
         np.testing.assert_allclose(c_memory.force_integral, memory.force_integral, rtol=1e-12)
-        assert c_memory.recruited == float(memory.policies[0])
-        recruited.add(c_memory.recruited)
+        walk = memory.policies[0]
+        if policy == "hand_over":
+            np.testing.assert_allclose(c_memory.disturbance, memory.disturbance, rtol=1e-9)
+            np.testing.assert_allclose(c_memory.rate, memory.rate, rtol=1e-9)
+            np.testing.assert_allclose(c_memory.withheld, walk.withheld, atol=1e-9)
+            np.testing.assert_allclose(c_memory.recruited, walk.recruited, atol=1e-12)
+            assert c_memory.direction == walk.direction
+        else:
+            assert c_memory.recruited == float(walk)
+        recruited.add(c_memory.recruited // 1)
         saturated += integral == float(memory.force_integral)
         limited += np.any(np.abs(expected) == 0.8)
-    # every number of units, the anti-windup and the valves' limit occurred
-    assert recruited == {1.0, 2.0, 3.0} and saturated > 20 and limited > 20
+    # every number of units, the anti-windup and the valves' limit occurred; `hand_over` takes the
+    # second unit at once
+    at_all = {2.0, 3.0} if policy == "hand_over" else {1.0, 2.0, 3.0}
+    assert recruited == at_all and saturated > 10 and limited > 20
     assert exact > 500  # of 600 steps
+
+
+@pytest.mark.slow
+def test_twenty_ramps_of_hand_over_in_c_equal_python(compile_c, tmp_path):
+    rng, steps = np.random.default_rng(5), 1500
+    muscle = fs.example("kim2021_figure_6").replace(material=fs.materials.SILICONE_KIM2021)
+    bundle = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 4)], SUPPLY)
+    valve = fluid.SonicValve(np.array([1e-9, 4e-9]), 0.3)
+    held = dynamics.PrescribedMotion(0.0254)
+    parts = held, fluid.ConstantSupply(SUPPLY), fluid.Isothermal(), valve
+    plant = dynamics.Plant(bundle, *parts, spool=fluid.Servovalve(2e-3))
+    controller = tabulate_controller(control.cascade(plant, "hand_over"), SHAPE)
+    library = compile_c(write_table(controller, tmp_path, "knee", shape=SHAPE)[1])
+    start = dynamics.equilibrium_state(plant, [201e3, 0.0])
+    crossed = 0
+    for _ in range(20):
+        low, high = rng.uniform(2.0, 30.0), rng.uniform(35.0, 110.0)
+        ramp = np.clip(np.linspace(0, rng.uniform(1.2, 4.0), steps), 0, 1) * (high - low) + low
+        run = dynamics.simulate(plant, controller, ramp, start=start)
+        out, memory, command = run.outputs, Memory(0.0, 1.0), (NUMBER * 2)()
+        force = np.asarray(out.forces).sum(axis=-1)
+        for k in range(steps):
+            pressures = (NUMBER * 2)(*np.asarray(out.pressures)[k])
+            code = library.knee_step(
+                ctypes.byref(memory), NUMBER(ramp[k]), NUMBER(force[k]), pressures,
+                NUMBER(SUPPLY), NUMBER(0.2), NUMBER(0.0), command,
+            )  # fmt: skip
+            assert code == 0
+            np.testing.assert_allclose(list(command), run.commands[k], rtol=0, atol=1e-9)
+        crossed += memory.recruited == 2.0
+    assert crossed > 10
 
 
 def test_outside_of_the_table_its_valves_are_shut(compile_c, tmp_path):
@@ -115,7 +160,7 @@ def test_outside_of_the_table_its_valves_are_shut(compile_c, tmp_path):
 def test_unsupported_controllers_are_refused():
     plant = make_plant()
     for cascade, options, argument in (
-        (control.cascade(plant, "hand_over"), {}, "controller"),
+        (control.cascade(plant, "batch"), {}, "controller"),
         (control.cascade(plant, "orderly", of="position"), {}, "controller"),
         (control.cascade(plant, "orderly"), {"precision": "float"}, "precision"),
     ):

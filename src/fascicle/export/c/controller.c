@@ -12,7 +12,8 @@ static const real branch_top = @branch_top@, highest = @highest_pressure@; /* [P
 static const real dt = @dt@, force_gain = @force_gain@, force_integral_gain = @force_integral@;
 static const real pressure_time = @pressure_time@, flow_limit = @flow_limit@;
 static const real band = @band@; /* [N] */
-static const int parks = @parked@;
+/* share of a step in the filters of the disturbance and of the demand's rate */
+static const real observed = @observed@, filtered = @filtered@;
 /* each unit's chamber: its density at a pressure [kg/m3] is `dense` p/room */
 static const real room[UNITS] = {@room@}, dead[UNITS] = {@dead@};
 static const real dense[UNITS] = {@dense@};
@@ -130,74 +131,91 @@ static real opened(int unit, real target, real pressure, real strain, real rate,
                    : -flow_limit;
 }
 
+/* what the units can do now, empty and full at the top, [N]: `largest` of all states up to a unit's */
+typedef struct {
+    real eps[UNITS], pressure[UNITS], parked[UNITS], supply, top;
+    real empty[UNITS], full[UNITS], largest[UNITS], none;
+    int gains[UNITS];
+} bundle;
+
+/* ends between which each unit is filled in turn, and what it has of the lower one by now [Pa] */
+typedef struct {
+    real lower[UNITS], upper[UNITS], present[UNITS];
+} ends;
+@policy_code@
 void @name@_begin(@name@_memory *memory)
 {
-    memory->force_integral = 0;
-    memory->recruited = 1;
+    const @name@_memory none = {0, 1, 0, 0, 0, 0, 0, 0};
+
+    *memory = none;
 }
 
 int @name@_step(@name@_memory *memory, real demand, real force, const real pressure[UNITS],
                 real supply_pressure, real strain, real strain_rate, real command[UNITS])
 {
-    const real top_now = least(least(supply_pressure, highest), branch_top);
-    const real missing = demand - force;
-    const real asked = demand + force_gain * missing + memory->force_integral;
+    const real missing = demand - force, commanded = demand + force_gain * missing;
     const real integral = memory->force_integral + force_integral_gain * missing * dt;
-    real eps[UNITS], empty[UNITS], full[UNITS], at_low[UNITS], at_high[UNITS], lower[UNITS];
-    real upper[UNITS], none = 0, held = 0, after = 0, before = 0, way = 0, largest[UNITS];
-    int gains[UNITS], unit, k, stuck;
+    real asked, model = 0, held = 0, after, before = 0, share, withheld;
+    bundle b;
+    ends e;
+    int unit, stuck;
 
     for (unit = 0; unit < UNITS; unit++) command[unit] = 0;
     if (!inside(pressure, strain)) return 1;
+    b.supply = least(supply_pressure, highest);
+    b.top = least(b.supply, branch_top);
+    b.none = 0;
     for (unit = 0; unit < UNITS; unit++) {
-        eps[unit] = own(unit, strain);
-        empty[unit] = count_of[unit] * unit_at(unit, 0, eps[unit]).force;
-        full[unit] = count_of[unit] * unit_at(unit, top_now, eps[unit]).force;
-        gains[unit] = full[unit] > empty[unit];
-        if (!gains[unit]) full[unit] = empty[unit];
-        none += empty[unit];
+        const real eps = b.eps[unit] = own(unit, strain);
+
+        b.pressure[unit] = pressure[unit];
+        b.parked[unit] = least(onset(unit, eps) + b.top / 100, b.top);
+        b.empty[unit] = count_of[unit] * unit_at(unit, 0, eps).force;
+        b.full[unit] = count_of[unit] * unit_at(unit, b.top, eps).force;
+        b.gains[unit] = b.full[unit] > b.empty[unit];
+        if (!b.gains[unit]) b.full[unit] = b.empty[unit];
+        b.none += b.empty[unit];
+        model += count_of[unit] * unit_at(unit, pressure[unit], eps).force;
     }
     /* what a state pulls at most: the units before at the top, those after it empty */
-    for (unit = 0, after = none; unit < UNITS; unit++) {
-        held += full[unit];
-        after -= empty[unit];
-        largest[unit] = held + after;
+    for (unit = 0, after = b.none; unit < UNITS; unit++) {
+        held += b.full[unit];
+        after -= b.empty[unit];
+        b.largest[unit] = held + after;
     }
+    /* what the model gets wrong, and the demand's rate, filtered */
+    share = observed > 0 && memory->samples == 0 ? 1 : observed;
+    memory->disturbance += (force - model - memory->disturbance) * share;
+    if (memory->samples > 0) {
+        share = most(filtered, 1 / memory->samples);
+        memory->rate += ((commanded - memory->demand) / dt - memory->rate) * share;
+    }
+    memory->demand = commanded;
+    memory->samples += 1;
 
-    /* one more where those before no longer suffice, one less where they do by the band */
-    k = (int)least(most(memory->recruited + 1e-9, 1), (real)UNITS);
-    if (k < UNITS && gains[k] && largest[k - 1] - asked < 0)
-        way = 1;
-    else if (k > 1 && memory->recruited - (real)k == 0 && largest[k - 2] - asked > band)
-        way = -1;
-    memory->recruited = least(most(memory->recruited + way, 1), (real)UNITS);
-    k = (int)(memory->recruited + 1e-9);
+    asked = commanded + memory->force_integral - memory->disturbance;
+    withheld = decide(memory, &b, asked, &e);
 
     /* filled in turn, between these */
-    for (unit = 0, after = 0; unit < UNITS; unit++) {
-        const real parked = least(onset(unit, eps[unit]) + top_now / 100, top_now);
-
-        lower[unit] = parks && unit > 0 && unit < k ? parked : 0;
-        upper[unit] = unit < k ? top_now : 0;
-        at_low[unit] = count_of[unit] * unit_at(unit, lower[unit], eps[unit]).force;
-        at_high[unit] = gains[unit] ? count_of[unit] * unit_at(unit, upper[unit], eps[unit]).force
-                                    : empty[unit];
-        at_high[unit] = most(at_high[unit], at_low[unit]);
-        after += at_low[unit];
-    }
+    for (unit = 0, after = 0; unit < UNITS; unit++)
+        after += count_of[unit] * unit_at(unit, e.present[unit], b.eps[unit]).force;
     for (unit = 0; unit < UNITS; unit++) {
+        const real at_low = count_of[unit] * unit_at(unit, e.present[unit], b.eps[unit]).force;
+        const real at_high = b.gains[unit]
+            ? count_of[unit] * unit_at(unit, e.upper[unit], b.eps[unit]).force : b.empty[unit];
         real target;
 
-        after -= at_low[unit];
-        target = branch(unit, (asked - before - after) / count_of[unit], eps[unit]);
-        target = least(most(target, lower[unit]), upper[unit]);
-        before += at_high[unit];
-        command[unit] = opened(unit, target, pressure[unit], eps[unit],
+        after -= at_low;
+        target = branch(unit, (asked - withheld - before - after) / count_of[unit], b.eps[unit]);
+        target = least(most(target, e.lower[unit]), e.upper[unit]);
+        before += most(at_high, at_low);
+        command[unit] = opened(unit, target, pressure[unit], b.eps[unit],
                                ratio_of[unit] * strain_rate, supply_pressure);
     }
     /* the integral stands still while no unit can give what it would ask for */
-    stuck = (asked > largest[UNITS - 1] && integral > memory->force_integral)
-        || (asked < none && integral < memory->force_integral);
+    stuck = ((asked - withheld > b.largest[UNITS - 1] || withheld > 0)
+             && integral > memory->force_integral)
+        || (asked - withheld < b.none && integral < memory->force_integral);
     if (!stuck) memory->force_integral = integral;
     return 0;
 }

@@ -2,7 +2,12 @@
 /* A controller of the force, by the policy "@policy@", with anti-windup. Its sample time is @dt@ s. */
 typedef struct {
     @real@ force_integral; /* N */
-    @real@ recruited;      /* units */
+    @real@ recruited;      /* units, and the part of the way to the next */
+    @real@ direction;      /* of that way: 1, 0 or -1 */
+    @real@ withheld;       /* from the demand [N] */
+    @real@ disturbance;    /* force beyond the model's [N] */
+    @real@ demand, rate;   /* of force [N], [N/s] */
+    @real@ samples;        /* steps since the start */
 } @name@_memory;
 
 /* Before the first step. */
