@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle.design import Limit, Space, Task, Uncertainty, judge_safety, search
+from fascicle.design import Limit, Space, Task, Uncertainty, judge_safety, search, spread
 
 
 SENSES = {"mean_efficiency": "max", "envelope": "min", "valves": "min"}
@@ -76,6 +76,15 @@ def test_recommendation(seed):
 
     for (i, a), (j, b) in itertools.permutations(enumerate(front), 2):
         assert not as_good(a, b) or (a == b and np.isclose(volume[i], volume[j]))
+    # to any other safe design one of the list is as good, up to rounding
+    others = np.setdiff1d(np.flatnonzero(result.allowed), result.front)
+    shares = spread(result.all_designs(others), task, (), limits, scatter, draws=256).probability
+    for other in others[shares > 0.99]:
+        worse = {
+            n: result.values[n][other] * (1 - 1e-9 if s == "max" else 1 + 1e-9)
+            for n, s in SENSES.items()
+        }
+        assert any(as_good(a, worse) for a in front)
     # the recommended one has the least bad worst objective, by its definition
     worst = []
     for design in front:
