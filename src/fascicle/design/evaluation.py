@@ -122,34 +122,30 @@ def _batches(
     resolution = resolution or (UNIFORM if uniform and states.gapless else MIXED)
     largest_only = states.gapless and (uniform or states.separable)
     points = len(task) * (1 if largest_only else resolution.levels)
-    step, columns = max(1, _BATCH // (points * units)), 1 if uniform else units
+    columns = 1 if uniform else units
     sizes = [x[:, :columns] for x in (designs.radius, designs.wall, designs.angle)]
     rows = np.stack([designs.length[:, None] + 0.0 * sizes[0], *sizes], axis=-1)
     muscles, muscle_of = np.unique(rows.reshape(-1, 4), axis=0, return_inverse=True)
     muscle_of = muscle_of.reshape(-1, columns)
-    # designs of one muscle share its part of a table, however many they are
-    order = muscle_of[:, 0] if uniform else np.arange(len(rows))
-    batch_of = order // (max(1, _BATCH // points) if uniform else step)
-    for number in np.unique(batch_of):
-        (members,) = np.nonzero(batch_of == number)
-        used, index = np.unique(muscle_of[members], return_inverse=True)
-        index = index.reshape(-1, columns)
-        table = force_table(drawing, muscles[used], task, needs, resolution, largest_only)
-        curves = np.empty((2, len(members)))  # depth and overlap
-        for unit_muscles in np.unique(index, axis=0) if "curves" in needs else ():
-            (twins,) = np.nonzero(np.all(index == unit_muscles, axis=1))
-            counts = designs.counts[members[twins]].T
-            muscle = scaled_muscle(drawing, muscles[used[unit_muscles]])
+    depth = overlap = None
+    if "curves" in needs:
+        depth, overlap = np.empty((2, len(rows)))
+        for unit_muscles in np.unique(muscle_of, axis=0):
+            (twins,) = np.nonzero(np.all(muscle_of == unit_muscles, axis=1))
+            counts, muscle = designs.counts[twins].T, scaled_muscle(drawing, muscles[unit_muscles])
             top, forces = _force_curves(muscle, task.supply_pressure, resolution)
-            curves[0, twins] = reversal_depths(counts, forces, top, states)
-            curves[1, twins] = overlaps(counts, forces, task.scheme)
-        for cut in slices(len(members), step):
-            batch, factor, depth, overlap = members[cut], force_factor[members[cut]], None, None
-            if "curves" in needs:
-                depth, overlap = curves[0, cut], factor * curves[1, cut]
-            units_table = table.take(index[cut].T, factor)
-            counts, length = designs.counts[batch].T, designs.length[batch]
-            yield batch, outcome(counts, units_table, length, task, depth, overlap)
+            depth[twins] = reversal_depths(counts, forces, top, states)
+            overlap[twins] = overlaps(counts, forces, task.scheme)
+        overlap *= force_factor
+    # neighbors share muscles, whose forces are computed once in a batch
+    order = np.argsort(muscle_of[:, 0], kind="stable")
+    for cut in slices(len(order), max(1, _BATCH // (points * units))):
+        batch = order[cut]
+        used, index = np.unique(muscle_of[batch], return_inverse=True)
+        table = force_table(drawing, muscles[used], task, needs, resolution, largest_only)
+        table = table.take(index.reshape(-1, columns).T, force_factor[batch])
+        curves = (x if x is None else x[batch] for x in (depth, overlap))
+        yield batch, outcome(designs.counts[batch].T, table, designs.length[batch], task, *curves)
 
 
 def _force_curves(

@@ -247,15 +247,9 @@ def conclude(
 
 
 def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult:
-    """Keep the designs on the front that hold the task in most draws.
-
-    **Arguments:**
-
-    - `result`: of a search; one without a recommended design is returned as it is.
-    - `uncertainty`: what is drawn, and the share of draws in which a design must hold.
-
-    **Returns:** the result with `safety`, and the front of the safe designs; if none holds, with
-    the front as it was, and the surest as the `nearest`.
+    """Result of a search with `safety`, and the front of the designs that hold the task in most
+    draws of an `uncertainty`; if none holds, the front as it was, and the surest as the `nearest`.
+    One without a recommended design is returned as it is.
 
     **Raises:** `ValueError` for draws of a calibrated muscle in a search of several.
     """

@@ -161,14 +161,8 @@ def summarize(
     catalog: Catalog,
     cycle: Cycle | None = None,
 ) -> Summary:
-    """Summarize a design: its load cases, size, mass, price and valves.
-
-    **Arguments:**
-
-    - `designs`, `index`: the designs, and the index of this one.
-    - `task`: what is demanded.
-    - `catalog`: products and prices [-].
-    - `cycle`: for which valves are sized, or `None`.
+    """Summary of the design with an `index`: its load cases, size, mass, price, by a `catalog` [-],
+    and valves, if there is a `cycle` to size them for.
     """
     design = designs.take(np.array([index]))
     diameter = float(evaluate(design, task, ["envelope"])["envelope"][0])
