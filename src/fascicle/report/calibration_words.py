@@ -228,12 +228,12 @@ def _error_line(calibration: Calibration, verdict: Verdict) -> str:
         )
     if np.isfinite(verdict.left_out_rmse):
         error += f"; {100 * verdict.left_out_rmse:.2g} % at readings left out of the fit"
-    loop, friction = calibration.loop, calibration.friction
-    if loop is not None and (friction is None or friction.law is not None):
+    loop, half_way, friction = calibration.loop, calibration.half_way, calibration.friction
+    if loop is not None and half_way and (friction is None or friction.law is not None):
         error += (
             f"; {pretty(calibration.half_way_rmse, 'force', 3)} from the half-way curve of the"
             f" loops, which are {range_text(np.maximum(loop.width, 0.0))} N wide on average and"
-            f" {pretty(float(np.max(loop.widest)), 'force', 2)} at most"
+            f" {pretty(float(np.nanmax(half_way.width)), 'force', 2)} at most"
         )
     return f"{error}."
 
