@@ -68,20 +68,17 @@ _FACTORS: dict[str, Any] = {  # SI units in a unit
 
 
 def _dimension(
-    article: str, example: str, exact: str, alternatives: str = "", others: str = "",
-    common: str | None = None,
-) -> Dimension:  # fmt: skip
+    article: str, example: str, exact: str, alternatives: str = "", others: str = ""
+) -> Dimension:
     """Dimension with lists of units between blanks: of the `exact` ones the last is the SI unit,
     and the first the common one.
     """
-    units = exact.split(" ")
+    units, choices = exact.split(" "), tuple(alternatives.split())
     factors = {units[-1]: Fraction(1)}
-    for unit in (*units[:-1], *alternatives.split(), *others.split()):
+    for unit in (*units[:-1], *choices, *others.split()):
         factors.setdefault(unit, Fraction(_FACTORS.get(unit, 1)))
-    common = units[0] if common is None else common
     table = MappingProxyType(factors)
-    return Dimension(article, example, units[-1], common, tuple(units), table,
-                     tuple(alternatives.split()))  # fmt: skip
+    return Dimension(article, example, units[-1], units[0], tuple(units), table, choices)
 
 
 # pint takes the m of Nm for a prefix, and a turn for 2π
@@ -97,8 +94,9 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "energy": _dimension("an energy", "1.5 J", "J", "kJ mJ"),
     "time": _dimension("a time", "0.2 s", "s", "ms", "min"),
     "stiffness": _dimension("a stiffness", "5 N/mm", "N/mm N/m", "kN/mm N/m"),
-    "volume": _dimension("a volume", "12 cm^3", "m^3", "cm^3 m^3", "mm^3 L", "mm^3"),
-    "mass": _dimension("a mass", "58 g", "g kg", "g", common="kg"),
+    "volume": _dimension("a volume", "12 cm^3", "m^3", "cm^3 m^3", "mm^3 L")._replace(
+        common="mm^3"),
+    "mass": _dimension("a mass", "58 g", "g kg", "g")._replace(common="kg"),
     "linear_density": _dimension("a mass per length", "94 g/m", "g/m kg/m", "kg/m"),
     "density": _dimension("a density", "1100 kg/m^3", "kg/m^3"),
     "area": _dimension("an area", "1 mm^2", "mm^2 m^2", "cm^2"),

@@ -368,6 +368,4 @@ def template(kind: str) -> str:
     return Template(path.read_text(encoding="utf-8")).substitute(values)
 
 
-COMMANDS = {
-    "force": force, "free-strain": free_strain, "muscles": muscles, "laws": laws, "init": init,
-}  # fmt: skip
+COMMANDS = {x.__name__.replace("_", "-"): x for x in (force, free_strain, muscles, laws, init)}

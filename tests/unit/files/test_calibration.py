@@ -13,19 +13,9 @@ from fascicle.files.muscle_files import calibration_text
 
 MUSCLE = example("kim2021_figure_6")
 REPORT = {
-    "data": "martens-boblan.csv",
-    "sha256": "0" * 64,
-    "seed": 7,
+    "data": "a.csv",
     "rmse": 1.2345678901234567,
-    "synthetic": False,
-    "free": ["c10", "braid_angle"],
-    "covariance": [[1e-05, -2.5e-300], [-2.5e-300, math.pi]],
-    "nothing": [],
-    "solver": {"status": "converged", "starts": 3, "limits": [0.1, math.inf]},
-    "parameter": [
-        {"name": "c10", "value": 118.4e3, "identifiable": True},
-        {"name": "braid angle", "value": 0.5, "identifiable": False},
-    ],
+    "parameter": [{"name": "c10", "value": 118.4e3}],
 }
 
 
@@ -45,13 +35,9 @@ def test_provenance_reads_back_what_was_saved(tmp_path):
     save(MUSCLE, path, REPORT)
     assert provenance(path) == REPORT
     # the muscle is the one that was saved: the report is passed over
-    assert str(load(path)) == str(MUSCLE) and load(path).length == MUSCLE.length
-
-
-def test_without_a_report_it_is_empty(tmp_path):
-    save(MUSCLE, tmp_path / "m.toml")
-    assert provenance(tmp_path / "m.toml") == {}
-    assert "calibration" not in dumps(MUSCLE)
+    assert load(path) == MUSCLE and "calibration" not in dumps(MUSCLE)
+    save(MUSCLE, path)
+    assert provenance(path) == {}
 
 
 texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)

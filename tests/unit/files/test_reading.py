@@ -34,13 +34,6 @@ def test_sizes_are_the_floats_that_python_would_write():
     )  # fmt: skip
 
 
-def test_missing_keys_take_the_default():
-    muscle = loads(MUSCLE)
-    default = Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33))
-    assert str(muscle) == str(default)
-    assert muscle.material.c10 == default.material.c10
-
-
 def test_every_law_by_name():
     text = MUSCLE + (
         'material = "silicone_kim2021"\ntension = "ideal"\nbuckling = "elastica"\n'
@@ -112,10 +105,6 @@ def test_bundles():
     unlike = loads(TWO + "[bundle]\n" + UNIT + 'muscle = "thick"\n' + UNIT + 'muscle = "thin"\n')
     radii = [float(unit.muscle.outer_radius) for unit in unlike.motor_units]
     assert radii == [9e-3, 6.35e-3]
-
-
-def test_one_named_muscle_is_a_muscle():
-    assert isinstance(loads(MUSCLE.replace("[muscle]", "[muscle.thin]")), Muscle)
 
 
 def test_windows_files_and_byte_order_marks(tmp_path):

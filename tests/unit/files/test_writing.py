@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fascicle.bundle import Bundle, MotorUnit
-from fascicle.files import dumps, example, examples, load, loads, save
+from fascicle.files import dumps, example, loads, save
 from fascicle.muscle import Muscle, Tuning
 from fascicle.muscle.buckling import BUCKLING_LAWS, Kim2021
 from fascicle.muscle.collapse import COLLAPSE_LAWS
@@ -93,13 +93,6 @@ def test_a_bundle_reads_back_bitwise(parameters, units, supply_pressure, scheme)
     units = [MotorUnit(kinds[which % len(kinds)], count) for which, count in units]
     bundle = Bundle(units, supply_pressure, scheme)
     assert bits(loads(dumps(bundle))) == bits(bundle)
-
-
-@pytest.mark.parametrize("name", examples())
-def test_examples_read_back_through_a_file(name, tmp_path):
-    path = tmp_path / "m.toml"
-    save(example(name), path)
-    assert bits(load(path)) == bits(example(name))
 
 
 def test_text_is_as_people_write_it():

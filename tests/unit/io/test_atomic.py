@@ -119,14 +119,6 @@ def fill(**texts):
     return inside
 
 
-def test_an_existing_file_is_refused_unless_it_may_be_overwritten(tmp_path):
-    atomic.check_overwrite(tmp_path / "d.csv")
-    (tmp_path / "d.csv").write_text("measured")
-    with pytest.raises(FileExistsError):
-        atomic.check_overwrite(tmp_path / "d.csv")
-    atomic.check_overwrite(tmp_path / "d.csv", overwrite=True)
-
-
 def test_a_folder_with_files_is_refused_unless_they_may_be_overwritten(tmp_path):
     folder = tmp_path / "made"
     folder.mkdir()

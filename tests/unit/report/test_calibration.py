@@ -130,21 +130,9 @@ def test_a_fit_of_constants_has_no_readings_to_show(plots):
 def test_provenance_is_read_back_as_it_was_saved(fit, tmp_path):
     path = tmp_path / "muscle.toml"
     fs.save(fit.muscle, path, calibration=provenance_of(fit, DATE))
-    # the same bits, and what is told of them
     assert float(fs.load(path).outer_radius) == float(fit.muscle.outer_radius)
     saved = provenance(path)
     assert saved == provenance_of(fit, DATE)
-    assert saved["date"] == DATE and saved["synthetic"] is True
     assert saved["record"] == [{"file": "a <b>.csv", "sha256": SHA}]
-    assert saved["laws"]["collapse"] == "kim2021"
-    np.testing.assert_array_equal(saved["covariance"], fit.covariance)
-    assert saved["coordinate_names"] == list(fit.names)
-    first, second = saved["parameter"]
-    assert (first["identifiable"], second["identifiable"]) == (True, False)
-    # numbers as far as they are known: a hundredth of the interval, four digits of an error
-    entry = fit.parameters[0]
-    error = units.parse(first["value"], "pressure") - entry.value
-    assert abs(error) <= 0.01 * (entry.high - entry.low)
+    assert [entry["identifiable"] for entry in saved["parameter"]] == [True, False]
     assert saved["rmse"] == units.pretty(fit.rmse, "force", 4)
-    assert saved["laws"]["ends"] == "rigid"
-    assert units.parse(saved["fitted_length"], "length") == float(fit.muscle.length)
