@@ -169,6 +169,4 @@ def write(record: Record, path: str | os.PathLike[str]) -> None:
 
 def file_text(record: Record, path: str | os.PathLike[str]) -> str:
     """Text of a record for a file: JSON if the name of its `path` ends in .json, else CSV."""
-    if os.fspath(path).lower().endswith(".json"):
-        return to_json(record)
-    return dumps(record)
+    return to_json(record) if os.fspath(path).lower().endswith(".json") else dumps(record)

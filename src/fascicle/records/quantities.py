@@ -65,18 +65,6 @@ _FLAGS = dict.fromkeys(words("1, 1.0, true, yes, y, x, clipped, censored"), True
 )
 
 
-def _to_si_units(values: np.ndarray, factor: float) -> np.ndarray:
-    """Multiply `values` by the `factor` of their unit, with a single rounding where possible.
-
-    A thousandth has no float, but a division by a thousand rounds only once: 9 mm are the float
-    9e-3, and nine times a thousandth is not.
-    """
-    divisor = round(1 / factor)
-    if factor < 1 and divisor > 1 and 1 / divisor == factor:
-        return values / divisor
-    return values * factor if factor != 1 else values
-
-
 @dataclass(eq=False)
 class Readings:
     """Rows of a `table` and their quantities, which the methods `read_…` set in their order.
@@ -113,10 +101,15 @@ class Readings:
         """Cells of a role, in the unit of its column."""
         return self.cells[role].to_numpy()
 
-    def si(self, role: str) -> np.ndarray | None:
-        """Numbers of a role [SI], or `None`."""
-        column = self.columns.get(role)
-        return None if column is None else _to_si_units(self.raw(role), column.factor)
+    def si(self, role: str) -> np.ndarray:
+        """Numbers of a role [SI], with a single rounding where possible."""
+        values, factor = self.raw(role), self.columns[role].factor
+        # a thousandth has no float, but a division by a thousand rounds only once: 9 mm are the
+        # float 9e-3, and nine times a thousandth is not
+        divisor = round(1 / factor)
+        if factor < 1 and divisor > 1 and 1 / divisor == factor:
+            return values / divisor
+        return values * factor if factor != 1 else values
 
     def cell_error(self, row: int, column: Column, rule: str) -> ValueError:
         """The error for a row's cell of a `column` that breaks a `rule`."""
@@ -143,8 +136,8 @@ class Readings:
         if not is_angle and "torque" not in columns:
             return
         column = self.position if is_angle else columns["torque"]
-        angle, arm, arms = self.si("angle"), self.si("moment_arm"), self.info.arm_table
-        where = self.table.place(column.header)
+        angle, arm = (self.si(r) if r in columns else None for r in ("angle", "moment_arm"))
+        where, arms = self.table.place(column.header), self.info.arm_table
         if arms is not None:
             if angle is None:
                 rule = "no column of angle found, which the moment arms depend on: give "
@@ -192,21 +185,18 @@ class Readings:
 
     def read_force(self) -> None:
         """Pulling force [N], from a column of forces or torques."""
-        force, torque = self.si("force"), self.si("torque")
-        if force is not None:
-            force = force - (self.info.force_at_rest or 0.0)
+        if "force" in self.columns:
+            force = self.si("force") - (self.info.force_at_rest or 0.0)
         else:
-            arm = self.si("moment_arm")
-            assert torque is not None  # a table without either is refused
-            assert arm is not None
-            force = (torque - (self.info.torque_at_rest or 0.0)) / arm
+            torque = self.si("torque") - (self.info.torque_at_rest or 0.0)
+            force = torque / self.si("moment_arm")
         self.force = force * (self.info.signs.sign("force") or 1)
 
     def read_pressure(self) -> None:
         """Gauge pressure [Pa], noise below zero set to zero; refuses what no muscle has."""
         column, raw, info = self.columns["pressure"], self.raw("pressure"), self.info
         zero = (info.pressure_at_rest or 0.0) + (info.atmosphere or 0.0) * column.absolute
-        pressure = _to_si_units(raw, column.factor) - zero
+        pressure = self.si("pressure") - zero
         row, lowest = int(np.argmax(pressure)), int(np.argmin(pressure))
         top, low, strongest = pressure[row], pressure[lowest], np.max(np.abs(self.force))
         highest, rule = _reading_text(raw[row], column), ""
@@ -232,8 +222,7 @@ class Readings:
             self.doubts.append(f"{below} pressures below zero, down to {low:.3g} Pa, set to 0")
         self._check_forces(max(float(top), 0.0))
         if np.max(self.force) <= 0 < -np.min(self.force):
-            remedy = 'if they do, signs.force is "pushing positive"'
-            self.doubts.append(f"no reading pulls: {remedy}")
+            self.doubts.append('no reading pulls: if they do, signs.force is "pushing positive"')
         self.pressure = np.maximum(pressure, 0.0)
 
     def _check_forces(self, top: float) -> None:
@@ -246,17 +235,14 @@ class Readings:
             raise self.cell_error(row, column, f"{text}: {_ODD_REMEDY}.")
         area = strongest / top if top > _MIN_PRESSURE else 0.0
         if area > _MAX_AREA:
-            rule = (
-                f"{text} at no more than {top / 1e3:.4g} kPa needs {area:.2g} m² of cross section"
-            )
+            rule = f"{text} at no more than {top / 1e3:.4g} kPa needs {area:.2g} m²"
             suggestion = _suggest_unit(column, raw[row], area / _MAX_AREA)
-            raise self.cell_error(row, column, f"{rule}{suggestion}")
+            raise self.cell_error(row, column, f"{rule} of cross section{suggestion}")
 
     def read_strain(self, rest_length: float) -> None:
         """Contraction [-], from strains, displacements, lengths or angles; `rest_length` [m]."""
         column, info = self.position, self.info
         values = self.si(column.role)
-        assert values is not None  # a table without a position is refused
         direction = info.signs.sign(column.role) or info.signs.sign("strain")
         sign = direction or column.sign
         if column.role == "length":
@@ -280,13 +266,12 @@ class Readings:
         column, strain, (low, high) = self.position, self.strain, STRAINS
         raw, least = self.raw(column.role), int(np.argmin(strain))
         ends = np.array([np.min(strain), np.max(strain)])
-        counts_from_rest = column.role != "displacement" or (
-            self.info.displacement_at_rest is not None
-        )
+        is_given = self.info.displacement_at_rest is not None
+        may_be_shifted = column.role == "displacement" and not is_given
         is_far, row = not _is_strain(ends) and _is_strain(ends - strain[0]), 0
         if ends[0] > _FAR and ends[1] > _FREE and _is_strain(ends):
             is_far, row = True, least
-        if is_far and not counts_from_rest:
+        if is_far and may_be_shifted:
             text = f"{raw[row]:.6g} {column.unit}"
             choice = ("zeros", "displacement", text, ", or its value at rest")
             raise self._ask(column, f"{text} is far from rest:", choice, row=row)
@@ -296,20 +281,19 @@ class Readings:
             if column.role != "strain":
                 side = "longer than at rest" if strain[row] < 0 else "shorter than at rest"
                 arm = "moment arm, " if column.role == "angle" else ""
-                hint = f"check rest length, {arm}unit and sign."
-                hint = f"{abs(strain[row]):.3g} of it {side}: {hint}"
+                excess = f"{abs(strain[row]):.3g} of it {side}"
+                hint = f"{excess}: check rest length, {arm}unit and sign."
             if np.mean((strain < low) | (strain > high)) < _ODD:
                 hint = f"{_ODD_REMEDY}."
             rule = f"{_reading_text(raw[row], column)} is a contraction of {strain[row]:.4g}"
             raise self.cell_error(row, column, f"{rule}: {hint}")
         if ends[0] < _STRETCHED:
             count = int(np.count_nonzero(strain < _STRETCHED))
-            note = f"{count} readings stretched beyond rest, down to {ends[0]:.3g}"
-            self.doubts.append(note)
-        elif ends[0] > _FAR and not counts_from_rest:
+            self.doubts.append(f"{count} readings stretched beyond rest, down to {ends[0]:.3g}")
+        elif ends[0] > _FAR and may_be_shifted:
             text = f"{raw[least]:.6g} {column.unit}"
-            note = f"all displacements are beyond {text}: if it is 0 there, give {text} as zero"
-            self.doubts.append(note)
+            remedy = f"if it is 0 there, give {text} as zero"
+            self.doubts.append(f"all displacements are beyond {text}: {remedy}")
 
     def _check_lengths(self, lengths: np.ndarray) -> None:
         """Refuse `lengths` [m] that are not positive."""
@@ -353,13 +337,10 @@ class Readings:
             is_mostly_longer = column.role == "angle" or np.mean(is_longer) > 0.5
             if is_mostly_longer and np.corrcoef(x, F)[0, 1] > _RISING:
                 rule = "the pull grows with contraction, which no muscle's does"
-        is_isotonic = (
-            strain.size >= _MIN_READINGS
-            and np.ptp(strain) > 0
-            and np.ptp(force) < _STEADY * np.max(np.abs(force))
-            and np.ptp(pressure) > _STEADY * np.max(pressure)
-        )
-        if is_isotonic and np.corrcoef(strain, pressure)[0, 1] < -_RISING:
+        is_held = np.ptp(force) < _STEADY * np.max(np.abs(force))
+        is_isotonic = is_held and np.ptp(pressure) > _STEADY * np.max(pressure)
+        is_moved = strain.size >= _MIN_READINGS and np.ptp(strain) > 0
+        if is_isotonic and is_moved and np.corrcoef(strain, pressure)[0, 1] < -_RISING:
             rule = "the muscle lengthens as its pressure rises, which none does under one load"
         is_unknown = column.role != "strain" and column.sign > 0
         if is_unknown and np.any(is_longer) and np.max(strain) < -_STRETCHED:
@@ -367,8 +348,8 @@ class Readings:
         if rule:
             ways = ["extension", "contraction"][:: column.sign]
             verb = "lengthens" if column.sign > 0 else "shortens"
-            rule += f": if the {column.role} grows as the muscle {verb},"
             choice = ("signs", column.role, f"{ways[0]} positive", f", else {ways[1]}")
+            rule += f": if the {column.role} grows as the muscle {verb},"
             raise self._ask(column, rule, choice)
 
     def check_pull(self) -> None:
@@ -397,8 +378,8 @@ class Readings:
             gauge = ("units", "pressure", f"{column.unit} (g)", ", if it is gauge")
             choices = (("atmosphere", "", text, ""), gauge)
             raise self._ask(column, f"{rule} the atmosphere,", *choices)
-        note = f"the lowest pressure is {text}: if that is the atmosphere, give it to subtract it"
-        self.doubts.append(note)
+        remedy = "if that is the atmosphere, give it to subtract it"
+        self.doubts.append(f"the lowest pressure is {text}: {remedy}")
 
     def read_censored(self) -> np.ndarray:
         """Flags of clipped forces: of a column, and with `clipped_at_zero` of exactly 0."""
@@ -433,8 +414,9 @@ class Readings:
 
     def read_time(self) -> np.ndarray | None:
         """Time [s], of a column or of LabVIEW's step, or `None`."""
-        if (time := self.si("time")) is None:
+        if "time" not in self.columns:
             return self._sampled_time()
+        time = self.si("time")
         steps = np.diff(time)
         # counted in s they would be dates in 5000 years, or steps below 0.1 ms
         units = {unit: 1 / per_s for unit, per_s in _PER_SECOND if time[0] > _DATE * per_s}

@@ -275,7 +275,7 @@ def _read_record(
     }
     record = Record(
         readings.pressure, readings.strain, readings.force, censored, readings.read_branch(), time,
-        rest_length, readings.si("moment_arm"),
+        rest_length, readings.si("moment_arm") if "moment_arm" in readings.columns else None,
         synthetic=info.synthetic
         or any(text[9:].strip(" :=.") not in denials for text in synthetic),
         notes=(

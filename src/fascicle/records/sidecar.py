@@ -20,7 +20,6 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Field,
     PlainValidator,
@@ -40,7 +39,6 @@ from .joint import ArmTable, read_arm_table
 
 
 _MAX_SIZE = 1_000_000  # bytes
-_NEGATIVE = ("pushing positive", "extension positive")
 _ARGUMENTS = "arguments"  # context of a check: bare numbers are in SI units
 _POSITIVE = ("rest_length", "moment_arm", "resample")
 # gauges that may be off by a constant, and the joint's angle at rest
@@ -66,23 +64,25 @@ def _read_number(value: Any, info: Any) -> Any:
     return number
 
 
-def _check_roles(table: dict[str, str], info: Any) -> dict[str, str]:
-    """Refuse keys of a `table` that are no roles."""
-    check_roles(table, str(info.field_name))
+def _by_role(table: Any, info: Any) -> dict[str, Any]:
+    """A table by role, with the scales of signals read."""
+    if not isinstance(table, dict):
+        raise ValueError("must be a table of keys")
+    check_roles(table, info.field_name)
+    if info.field_name == "scales":
+        scales = {
+            role: read_scale(x, role) for role, x in table.items() if not isinstance(x, Scale)
+        }
+        table = table | scales
     return table
 
 
-def _read_scales(table: Any) -> dict[str, Scale]:
-    """Scales of signals by role."""
-    if not isinstance(table, dict):
-        raise ValueError("must be a table of keys")
-    check_roles(table, "scales")
-    return {role: text if isinstance(text, Scale) else read_scale(text, role)
-            for role, text in table.items()}  # fmt: skip
+def _as_list(value: Any) -> Any:
+    return [value] if isinstance(value, str) else value
 
 
 _Contraction = Literal["contraction positive", "extension positive"]
-_TextsByRole = Annotated[dict[str, StrictStr], AfterValidator(_check_roles)]
+_TextsByRole = Annotated[dict[str, StrictStr], BeforeValidator(_by_role)]
 _Number = Annotated[float | None, PlainValidator(_read_number)]
 
 
@@ -96,14 +96,14 @@ class Signs(TableModel):
 
     def sign(self, role: str) -> int | None:
         """1 or −1 for a role, or `None`."""
-        direction = getattr(self, role, None)
-        return None if direction is None else -1 if direction in _NEGATIVE else 1
+        negative = {None: None, "pushing positive": -1, "extension positive": -1}
+        return negative.get(getattr(self, role, None), 1)
 
 
 class Sidecar(TableModel):
     """Keys of the file; quantities in SI units, `names`: a list of columns in their order."""
 
-    scales: Annotated[dict[str, Scale], BeforeValidator(_read_scales)] = Field(default_factory=dict)
+    scales: Annotated[dict[str, Scale], BeforeValidator(_by_role)] = Field(default_factory=dict)
     rest_length: _Number = None
     pressure: _Number = None
     force: _Number = None
@@ -131,9 +131,7 @@ class Sidecar(TableModel):
     table: StrictStr | None = None
     synthetic: StrictBool = False
     source: StrictStr | None = None
-    notes: Annotated[
-        list[StrictStr], BeforeValidator(lambda x: [x] if isinstance(x, str) else x)
-    ] = Field(default_factory=list)
+    notes: Annotated[list[StrictStr], BeforeValidator(_as_list)] = Field(default_factory=list)
 
     @model_validator(mode="before")
     @classmethod

@@ -79,15 +79,14 @@ class NumberFormat:
         """Finite value of each cell, NaN for other texts."""
         import pandas as pd
 
-        texts = cells
+        is_unclear = [self.is_unclear(cell) for cell in cells.astype(str)] if self.unclear else []
         if not pd.api.types.is_numeric_dtype(cells):
             if self.grouped:
                 sign = "." if self.decimal == "," else ","
-                texts = texts.str.replace(rf"(?<=\d)\{sign}(?=\d{{3}}(?!\d))", "", regex=True)
-            texts = texts.str.replace(",", ".") if self.decimal == "," else texts
-        values = np.array(pd.to_numeric(texts, errors="coerce"), dtype=float)
-        if self.unclear:
-            values[[self.is_unclear(cell) for cell in cells.astype(str)]] = np.nan
+                cells = cells.str.replace(rf"(?<=\d)\{sign}(?=\d{{3}}(?!\d))", "", regex=True)
+            cells = cells.str.replace(",", ".") if self.decimal == "," else cells
+        values = np.array(pd.to_numeric(cells, errors="coerce"), dtype=float)
+        values[np.flatnonzero(is_unclear)] = np.nan
         return np.where(np.isfinite(values), values, np.nan)
 
     def is_unclear(self, cell: str) -> bool:
@@ -192,15 +191,14 @@ class Table:
             rule += f": it has {len(self._frame)} rows" if len(self._frame) else ""
             raise ValueError(f"{self.source}: no readings: {rule}.")
         if not sparse and len(holes) > _MAX_LOSS * (count + len(holes)):
-            rule = f"{len(holes)} of {count + len(holes)} rows have holes: fill or delete them,"
-            rule += " resample channels to one rate, or choose other columns"
-            raise ValueError(f"{self.source}, line {holes[0]}: {rule}.")
-        notes = [
-            f"{len(lines)} {'row' if len(lines) == 1 else 'rows'} {kind} left out, the first in"
-            f" line {lines[0]}"
-            for kind, lines in (("with holes", holes), ("of words", word_lines))
-            if lines
-        ]
+            rule = f"{len(holes)} of {count + len(holes)} rows have holes"
+            remedy = "fill or delete them, resample channels to one rate, or choose other columns"
+            raise ValueError(f"{self.source}, line {holes[0]}: {rule}: {remedy}.")
+        notes = []
+        for kind, lines in (("with holes", holes), ("of words", word_lines)):
+            if lines:
+                count = f"{len(lines)} {'row' if len(lines) == 1 else 'rows'}"
+                notes.append(f"{count} {kind} left out, the first in line {lines[0]}")
         for i, x in values.items():
             frame[i] = x
         return frame[is_reading], notes
@@ -331,14 +329,12 @@ def open_table(
     else:
         line, last, titles = head[layout.start][0], layout.start - 1, head[: layout.start]
         header = _headless(remarks if last < 0 else [], names, layout, f"{source}, line {line}")
-    rule = ""
     if header and "->" in header[0]:
         rule = "remove the clock of the serial monitor before each line, or switch it off"
-    elif any(len(name) > LONGEST_NAME for name in header):
-        rule = f"a column's name is longer than {LONGEST_NAME} characters: write # before lines"
-        rule += " above the header"
-    if rule:
         raise ValueError(f"{source}, line {line}: {rule}.")
+    if max(map(len, header), default=0) > LONGEST_NAME:
+        rule = f"a column's name is longer than {LONGEST_NAME} characters"
+        raise ValueError(f"{source}, line {line}: {rule}: write # before lines above the header.")
     first = head[last + 1][0] if last + 1 < len(head) else len(lines) + 1
     body = lines[first - 1 :]
     if len(body) > MAX_ROWS:
@@ -348,10 +344,10 @@ def open_table(
     sample = [split_cells(text, layout.delimiter) for text in body[::step] if not is_remark(text)]
     numbers = _detect_format(sample, layout.delimiter, decimal)
     units = (*_unit_row(cells, layout), *[""] * len(header))[: len(header)]
+    row_width = layout.width if layout.delimiter in (" ", "  ") else 0
     return Table(
         source, tuple(header), line, units, tuple(remarks), tuple(printable(t) for _, t in titles),
-        body, first, layout.delimiter, numbers,
-        layout.width if layout.delimiter in (" ", "  ") else 0,
+        body, first, layout.delimiter, numbers, row_width,
     )  # fmt: skip
 
 

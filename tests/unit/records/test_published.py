@@ -31,7 +31,7 @@ ENDS = records.Record.of([0.0, 5e-324, 1e6], [-0.2, 0.9, -0.0], [1.7976931348623
 @pytest.mark.parametrize(
     ("record", "suffix"),
     [(BARE, ".json"), (FULL, ".json"), (ENDS, ".json"), (BARE, ".csv"), (FULL, ".csv"),
-     (replace(ENDS, force=np.array([1e-300, -0.0, 1 / 3])), ".csv")],
+     (replace(ENDS, strain=np.full(3, 0.1 + 0.2), force=np.array([1e-300, -0.0, 1 / 3])), ".csv")],
 )  # fmt: skip
 def test_it_reads_back_to_the_bit(record, suffix, tmp_path):
     path = tmp_path / f"r{suffix}"
