@@ -10,12 +10,13 @@ import pytest
 import xarray
 from numpy.testing import assert_allclose
 
-from fascicle import records
+from fascicle import Joint, records, tables
 from fascicle.bundle import recruitment
-from fascicle.bundle.energetics import efficiency_map
+from fascicle.bundle.energetics import PATHS, efficiency_map
 from fascicle.cli.errors import UserError
 from fascicle.cli.inputs import read_bundle, read_states
 from fascicle.files import catalog, example, example_text, examples, load, save
+from fascicle.results.labelled import to_json
 from reproduction.claims import Claim, Criterion
 
 
@@ -91,36 +92,70 @@ def test_force_as_csv_and_files_agree_with_json(answer, result, tmp_path):
         assert (tmp_path / name).read_bytes().startswith(magic)
 
 
-def test_free_strain_of_a_muscle(answer, result, tmp_path):
-    command = ("free-strain", SIX, "-p", "34.5kPa,344.7kPa")
-    values = result(*command)
-    assert_allclose(values["free_strain"], [0.0634, 0.2515], atol=5.1e-5)  # the specification's
-    assert_allclose(values["collapse_strain"], [0.1326, 0.3423], atol=5.1e-5)
-    assert "0.0634" in answer(*command, "--plot", "f.png")
-    assert (tmp_path / "f.png").read_bytes().startswith(PNG)
+STATES = [[344.7e3, 0.0], [344.7e3, 51.7e3], [344.7e3, 103.4e3]]
+JOINT = ("recruit", BUNDLE, "-s", "0.1", "--torque", "0.5N*m", "--angle", "3deg", "--moment-arm",
+         "20mm", "--supply", "300kPa")  # fmt: skip
 
 
-def test_bundle(answer, result):
-    command = ["bundle", PAIR, "-p", "344.7kPa,0kPa:103.4kPa:51.7kPa", "-s", "0,0.1"]
-    values = result(*command)
-    assert values["pressures"] == [[344.7e3, 0], [344.7e3, 51.7e3], [344.7e3, 103.4e3]]
-    # a bundle is the sum of its muscles
-    pressure, strain = np.array(values["pressures"])[:, None, :], np.array([0, 0.1])[None, :, None]
-    muscles = example(SIX.replace("6", "9")).force(pressure, strain)
-    assert_allclose(values["unit_force"], muscles, rtol=1e-10, atol=1e-10)
-    assert_allclose(values["force"], muscles.sum(axis=-1), rtol=1e-10, atol=1e-10)
-    assert_allclose(values["free_strain"], [row[0] for row in values["equilibria"]], atol=1e-10)
-    assert all(row[0] for row in values["stable"])
-    assert f"{values['free_strain'][1]:.4f}" in answer(*command, "--plot", "b.svg")
-    assert result("free-strain", *command[1:4])["free_strain"] == values["free_strain"]
-    supplied = result("bundle", PAIR, "-s", "0")
-    assert supplied["pressures"] == [[413.7e3, 0], [413.7e3, 413.7e3]]
+def recruited():
+    result = recruitment.recruit(example(BUNDLE), [[40.0], [9e3]], [0.12], "60 psi")
+    return tables.recruited(result, [40.0, 9e3], [0.12])
 
 
-def test_without_resistance_the_strongest_unit_decides(result):
-    pair = result("free-strain", PAIR, "-p", "34.5kPa,137.9kPa", "--no-resistance")
-    muscle = result("free-strain", "kim2021_figure_9", "-p", "137.9kPa")
-    assert_allclose(pair["free_strain"], muscle["free_strain"], rtol=1e-12)
+def of_joint(stiffness):
+    side = example(BUNDLE).replace(supply_pressure=300e3)
+    joint = Joint(side, side, "20 mm", "0.1")
+    return tables.joint_pressures(joint.pressures("3 deg", [0.5], stiffness))
+
+
+def efficiencies():
+    demands = [20.0, 100.0, 5e3], [0.1]  # 5 kN is out of reach
+    return tables.efficiency([efficiency_map(example(PAIR), None, x, *demands) for x in PATHS])
+
+
+@pytest.mark.parametrize(
+    ("command", "table", "exit_code"),
+    [
+        (
+            ("free-strain", SIX, "-p", "34.5kPa,344.7kPa"),
+            lambda: tables.muscle_free_strain(example(SIX), [34.5e3, 344.7e3]), 0,
+        ),
+        (
+            ("free-strain", PAIR, "-p", "34.5kPa,137.9kPa", "--no-resistance"),
+            lambda: tables.bundle_equilibria(example(PAIR), [[34.5e3, 137.9e3]], False), 0,
+        ),
+        (
+            ("bundle", PAIR, "-p", "344.7kPa,0kPa:103.4kPa:51.7kPa", "-s", "0,0.1"),
+            lambda: tables.bundle_force(example(PAIR), STATES, [0.0, 0.1])
+            | tables.bundle_equilibria(example(PAIR), STATES), 0,
+        ),
+        (
+            ("free-strain", PAIR),
+            lambda: tables.bundle_equilibria(example(PAIR), [[413.7e3, 0.0], [413.7e3] * 2]), 0,
+        ),
+        (
+            ("space", PAIR, "--levels", "0kPa,413.7kPa", "--strain", "0,0.1,0.2,0.24"),
+            lambda: tables.space(
+                example(PAIR).workspace(levels=[0.0, 413.7e3], strain=[0.0, 0.1, 0.2, 0.24])
+            ), 0,
+        ),
+        (("recruit", BUNDLE, "-s", "0.12", "--supply", "60psi", "-f", "40N,9kN"), recruited, 3),
+        ((*JOINT, "--stiffness", "9N*m/rad"), lambda: of_joint(9.0), 0),
+        ((*JOINT, "--stiffness", "900N*m/rad"), lambda: of_joint(900.0), 3),
+        (("efficiency", PAIR, "--force", "20N,100N,5kN", "--strain", "0.1"), efficiencies, 3),
+    ],
+)  # fmt: skip
+def test_json_is_the_table_of_the_library(fascicle, tmp_path, command, table, exit_code):
+    code, out, err = fascicle(*command, "--json")
+    assert code == exit_code and err.count("\n") == bool(code)
+    values = json.loads(to_json(table()))
+    assert json.loads(out) == values
+    # files are written with an incomplete result, too
+    plot = () if command[0] == "recruit" else ("--plot", "x.png")
+    code, out, _ = fascicle(*command, "--out", "x.json", *plot)
+    assert code == exit_code and "nan" not in out
+    assert json.loads((tmp_path / "x.json").read_text()) == values
+    assert not plot or (tmp_path / "x.png").read_bytes().startswith(PNG)
 
 
 def test_states_of_repeated_options_add_up():
@@ -129,63 +164,6 @@ def test_states_of_repeated_options_add_up():
     assert len(states) == 2 * 1001
     with pytest.raises(UserError):
         read_states(["0kPa:400kPa:0.4kPa,0kPa:400kPa:0.4kPa"], bundle)
-
-
-def test_space(answer, result, tmp_path):
-    command = ["space", PAIR, "--levels", "0kPa,413.7kPa", "--strain", "0,0.1,0.2,0.24"]
-    values = result(*command)
-    strain, levels = np.array([0, 0.1, 0.2, 0.24]), np.array([0, 413.7e3])
-    space = recruitment.workspace(example(PAIR), levels=levels, strain=strain)
-    assert_allclose(values["force"], space.force, rtol=1e-12, atol=1e-12)
-    assert_allclose(values["overlap_area"], recruitment.overlap(space).area, rtol=1e-12)
-    assert (values["scheme"], values["overlap_states"]) == ("orderly", [[1, 2]])
-    assert values["overlap_low"][0][0] is None  # no overlap at rest length
-    out = answer(*command, "--plot", "s.png")
-    assert (tmp_path / "s.png").read_bytes().startswith(PNG)
-    assert f"{values['overlap_area'][0]:.4g}" in out
-
-
-def test_efficiency(fascicle, tmp_path):
-    command = ["efficiency", PAIR, "--force", "20N,100N,5kN", "--strain", "0.1"]
-    code, out, err = fascicle(*command, "--json")
-    assert code == 3 and err.count("\n") == 1
-    values = json.loads(out)
-    assert values["path"] == ["isobaric", "isotonic"] and values["reached"] == [2 / 3, 2 / 3]
-    for path, grid, average in zip(
-        *(values[x] for x in ("path", "efficiency", "average")), strict=True
-    ):
-        expected = efficiency_map(example(PAIR), None, path, [20.0, 100.0, 5e3], [0.1])
-        assert_allclose([row[0] for row in grid[:2]], expected.efficiency[:2, 0], rtol=1e-12)
-        assert grid[2] == [None]  # 5 kN is out of reach
-        assert average == pytest.approx(expected.average, rel=1e-12)
-    code, out, _ = fascicle(*command, "--plot", "e.png")
-    assert code == 3
-    assert (tmp_path / "e.png").read_bytes().startswith(PNG)
-    assert f"{values['average'][0]:.4f}" in out
-
-
-def test_recruit(fascicle, result, tmp_path):
-    line = ("recruit", BUNDLE, "-s", "0.12", "--supply", "60psi")
-    values = result(*line, "-f", "40N")
-    assert values["status"] == [[0]] and values["state"] == [[1]]
-    force = example(BUNDLE).force(values["pressures"][0][0], 0.12)
-    assert_allclose(force, 40.0, atol=1e-9)
-    code, out, err = fascicle(*line, "-f", "40N,9kN", "--out", "x.json")
-    assert code == 3 and err.startswith("1 of 2 demands") and err.count("\n") == 1
-    # a file is written with an incomplete result
-    assert json.loads((tmp_path / "x.json").read_text())["status"] == [[0], [1]]
-    assert "nan" not in out
-
-
-def test_recruit_of_a_joint(fascicle, result):
-    line = ("recruit", BUNDLE, "-s", "0.1", "--torque", "0.5N*m", "--angle", "3deg",
-            "--moment-arm", "20mm", "--supply", "300kPa")  # fmt: skip
-    values = result(*line, "--stiffness", "9N*m/rad")
-    assert values["status"] == [0]
-    assert_allclose([*values["torque"], *values["stiffness"]], [0.5, 9.0], rtol=1e-9)
-    assert fascicle(*line, "--stiffness", "900N*m/rad")[0] == 3
-    code, _, err = fascicle(*line)
-    assert code == 2 and "--stiffness" in err
 
 
 def test_record_writes_a_labelled_file_that_reads_back(answer, result, tmp_path):

@@ -300,9 +300,9 @@ def efficiency(
     target = read_bundle(file, units)
     paths = _PATHS if path is None else (path,)
     check_grid(len(target.motor_units), len(forces or range(80)), len(strains or range(225)))
-    options = (forces, strains, not no_resistance, scheme)
+    arguments = (forces, strains, not no_resistance, scheme)
     with status("finding efficiencies"), user_errors():
-        maps = [fs.energetics.efficiency_map(target, supply, path, *options) for path in paths]
+        maps = [fs.energetics.efficiency_map(target, supply, path, *arguments) for path in paths]
         variables = fs.tables.efficiency(maps)
 
     def figure() -> Any:

@@ -149,23 +149,11 @@ def mix(first: str, second: str, fraction: float) -> str:
 
 def css_variables(colors: Colors) -> dict[str, str]:
     """CSS variables of a page: `--ink`, `--paper`, `--sans`, …"""
-    of_muscles = ("tube", "fiber", "fitting")
-    return {
-        **{
-            f"--{name}": value
-            for name, value in vars(colors).items()
-            if isinstance(value, str) and name not in of_muscles
-        },
-        "--sans": SANS,
-        "--mono": MONO,
-        "--round": f"{ROUND}px",
-        "--near": f"{NEAR}px",
-        "--apart": f"{APART}px",
-        "--wide": f"{WIDE}px",
-        "--far": f"{FAR}px",
-        "--mark": VERMILION,
-        "--first": BLUE,
-    }
+    variables = {name: value for name, value in vars(colors).items() if isinstance(value, str)}
+    pixels = {"round": ROUND, "near": NEAR, "apart": APART, "wide": WIDE, "far": FAR}
+    variables |= {name: f"{size}px" for name, size in pixels.items()}
+    variables |= {"sans": SANS, "mono": MONO, "mark": VERMILION, "first": BLUE}
+    return {f"--{name}": value for name, value in variables.items()}
 
 
 def css(colors: Colors) -> str:
