@@ -119,11 +119,9 @@ def _print_answer(answer: "fs.design.Answer", notes: tuple[str, ...]) -> None:
     findings = text.further_findings(answer)
     lines = [*text.headline(answer)]
     lines += [f"{x.severity.name.lower()}: {text.words(x, answer)}" for x in findings]
-    if answer.changes:
-        lines.append("Changes that would make it safe, each by itself:")
-    lines += [f"- {line}" for line in text.remedy_lines(answer)]
+    lines += text.remedy_lines(answer)
+    lines += [f"part: {part}" for part in text.parts(answer)]
     if answer.is_recommended:
-        lines += [f"part: {part}" for part in text.parts(answer)]
         lines += [f"{name}: {fact}" for name, fact in text.facts(answer).items()]
     for line in [*lines, *(f"note: {note}" for note in notes)]:
         print_line(line)

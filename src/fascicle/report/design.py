@@ -108,7 +108,9 @@ def sheet(answer: Answer, date: str, notes: tuple[str, ...] = ()) -> Figure:
     ]
     if len(lines) > _SHEET_LINES:
         lines[_SHEET_LINES - 1 :] = ["… more is in report.html"]
-    title = f"Design: {text.objective_label(answer.result.task.name)}, {date}"
+    task = answer.result.task
+    supply, name = pretty(task.supply_pressure, "pressure"), text.objective_label(task.name)
+    title = f"Design: {name}, supply {supply}, {date}"
     figure.suptitle(title, x=0.06, y=0.98, ha="left")
     figure.text(0.06, 0.955, "\n".join(lines), va="top", fontsize=7.5, family="monospace")
     return figure

@@ -315,7 +315,9 @@ def _cycle_texts(summary: Summary, run: CycleRun | None) -> dict[str, str]:
 
 
 def parts(answer: Answer) -> list[str]:
-    """Lines on what to buy or make, with prices as far as they are known, and sources."""
+    """Lines on what to buy or make for the recommended design, with known prices, and sources."""
+    if not answer.is_recommended:
+        return []
     summary, catalog, sizing = answer.summary, answer.result.catalog, answer.summary.sizing
     design, product = answer.result.all_designs(np.array([answer.index])), summary.product
 
@@ -352,8 +354,9 @@ def parts(answer: Answer) -> list[str]:
 
 
 def remedy_lines(answer: Answer) -> list[str]:
-    """Sentences on the levers, one for each change."""
-    return [_remedy_text(remedy, answer) for remedy in answer.changes]
+    """Lines of a list on the levers, one for each change, below a heading; or none."""
+    lines = [f"- {_remedy_text(remedy, answer)}" for remedy in answer.changes]
+    return ["Changes that would make it safe, each by itself:", *lines] if lines else []
 
 
 def _remedy_text(remedy: Remedy, answer: Answer) -> str:

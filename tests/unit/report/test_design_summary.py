@@ -69,8 +69,8 @@ def test_a_remedy_is_rounded_to_what_is_enough():
     """A reader who types it in must not be a hair short."""
     missing = answer(600.0, 0.04)
     assert codes(missing) == ["design.out_of_reach"] and not missing.is_recommended
-    lines = dict(line.split(": ", 1) for line in text.remedy_lines(missing))
-    pressure = 1e3 * float(re.match(r"([\d.]+) kPa", lines["supply pressure"])[1])
+    _, *lines = text.remedy_lines(missing)
+    pressure = 1e3 * float(re.match(r"- supply pressure: ([\d.]+) kPa", lines[0])[1])
     (exact,) = (x.value for x in missing.changes if x.what == "supply_pressure")
     assert exact <= pressure < exact * 1.001
     assert answer(600.0, 0.04, pressure=pressure).is_recommended
