@@ -49,15 +49,14 @@ from ..core.types import Batch, Numbers
 from .units import SLACK, ControlledUnits, UnitCapability, UnitDemand, select_unit, share_demand
 
 
-ABOVE = 0.01  # of the supply over the onset, at which a recruited unit is parked: no less force
 TOLERANCE = 0.1  # δ: a tenth of a dip is what docs and tests call no dip
 _NODES = np.linspace(0.0, 1.0, 33)  # of a path: a dip is 10 of them wide
 _HALVINGS = 30  # of a common pressure's bracket: to 1e-9 of the supply
 
 
 class PolicyStep(NamedTuple):
-    """Decision of a policy: its next `memory`, `pressures` of units [Pa], and force that is
-    `withheld` from the demand [N].
+    """Decision of a policy for a demand on units within their capability: its next `memory`,
+    `pressures` of units [Pa], and force that is `withheld` from the demand [N].
     """
 
     memory: Any
@@ -79,7 +78,6 @@ class SequentialPolicy(Module):
     def __call__(
         self, memory: Batch, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability
     ) -> PolicyStep:
-        """Decision for a `demand` on `units`, within their `capability`."""
         xp = array_namespace(demand.strains, demand.force)
         indices, k = xp.arange(units.count), memory
         last, before, next_ = (_unit(indices, k - i) for i in (1, 2, 0))
@@ -87,8 +85,7 @@ class SequentialPolicy(Module):
         up = adds_force & (select_unit(last, capability.largest) < demand.force)
         down = (k > 1) & (select_unit(before, capability.largest) > demand.force + self.band)
         k = k + where(up, 1.0, where(down, -1.0, 0.0))
-        top = minimum(demand.supply, units.branches.top)
-        parked = minimum(capability.onset + ABOVE * top, top)
+        top, parked = capability.top, capability.parked
         low = where((indices > 0) & (indices < k), parked * self.parks, 0.0)
         high = where(indices < k, top, 0.0 * parked)
         target = share_demand(units, capability, demand, low, high)
@@ -106,9 +103,8 @@ class BatchPolicy(Module):
     def __call__(
         self, memory: Batch, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability
     ) -> PolicyStep:
-        """Decision for a `demand` on `units`, within their `capability`."""
         xp, n = array_namespace(demand.strains, demand.force), units.counts
-        top = minimum(demand.supply, units.branches.top)
+        top = capability.top
         needed, with_band = (
             1.0 + xp.sum(where(demand.force > capability.largest - band, 1.0, 0.0))
             for band in (0.0, self.band)
@@ -161,23 +157,17 @@ class HandOverPolicy(Module):
     tolerance: Batch = np.float64(TOLERANCE)
 
     def __call__(
-        self,
-        memory: HandOverState,
-        units: ControlledUnits,
-        demand: UnitDemand,
-        capability: UnitCapability,
+        self, memory: Any, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability
     ) -> PolicyStep:
-        """Decision for a `demand` on `units`, within their `capability`."""
         xp = array_namespace(demand.strains, demand.force)
         indices, n = xp.arange(units.count), float(units.count)
-        top = minimum(demand.supply, units.branches.top)
-        parked = minimum(capability.onset + ABOVE * top, top)
+        top, parked = capability.top, capability.parked
         # a sum of steps falls short of a whole by rounding
         k = minimum(maximum(xp.floor(memory.recruited + 1e-9), 1.0), n)
         fraction = memory.recruited - k
         rate = maximum(demand.rate, 0.0)
 
-        path = self._path(units, demand, capability, parked, k, memory.direction < 0)
+        path = self._path(units, demand, capability, k, memory.direction < 0)
         walking = fraction > 0
         # a demand that has not risen is followed: less force would be a dip as well
         risen = memory.withheld + demand.rate * demand.dt
@@ -190,7 +180,7 @@ class HandOverPolicy(Module):
         begins = path.adds_force & (reserve <= needed) & (reserve >= path.dip)
         largest = select_unit(_unit(indices, k - 1), capability.largest)
         late = path.adds_force & (largest < demand.force)
-        back = self._path(units, demand, capability, parked, k - 1, True)
+        back = self._path(units, demand, capability, k - 1, True)
         released = back.dip + rate * (back.deepest / back.speed + demand.lag) + self.band
         down = (k > 1) & ~walking & (back.reserve > released)
         direction = where(down, -1.0, where(walking, memory.direction, 0.0))
@@ -225,7 +215,6 @@ class HandOverPolicy(Module):
         units: ControlledUnits,
         demand: UnitDemand,
         capability: UnitCapability,
-        parked: Numbers,
         k: Batch,
         falls: Any,
     ) -> _Path:
@@ -233,10 +222,10 @@ class HandOverPolicy(Module):
         xp = array_namespace(demand.strains, demand.force)
         indices = xp.arange(units.count)
         last, next_ = _unit(indices, k - 1), _unit(indices, k)
-        length = maximum(select_unit(next_, parked), 1.0)  # Pa: no division by zero
+        length = maximum(select_unit(next_, capability.parked), 1.0)  # Pa: no division by zero
         p = minimum(maximum(select_unit(next_, demand.pressures) / length, 0.0), 1.0)
         shares = xp.append(xp.asarray(_NODES), p)
-        pressures = shares[:, None] * parked
+        pressures = shares[:, None] * capability.parked
         forces = units.counts * units.branches.force(pressures, demand.strains + 0.0 * pressures)
         gain = xp.sum(next_ * (forces - capability.empty), axis=-1)
         changes = where(shares[1:-1] > p, gain[1:-1] - gain[:-2], 0.0) / _NODES[1]

@@ -34,6 +34,7 @@ from .branches import Branches
 
 CLOSE = 0.95  # of the supply: nearer a gas hardly flows, and a hand-over would take forever
 SLACK = 1.2  # of a valve's time: pressures couldn't follow a ramp at the valve's limit
+ABOVE = 0.01  # of the supply over the onset, at which a recruited unit is parked: no less force
 CHORD = 0.85  # of the supply: the highest beginning of a chord up to `CLOSE`
 _LEGS = np.linspace(0.0, 1.0, 5)  # of a climb, each at its own flow: within 2 % up to `CLOSE`
 LATE = 0.25  # of the onset, where venting is slow, but does not yet stop
@@ -201,13 +202,16 @@ class UnitDemand(NamedTuple):
 class UnitCapability(NamedTuple):
     """Capability of units at their strains: forces, transition, and times of valves.
 
-    Of each unit: force when `full` and when `empty` [N]; `adds_force`, true if pressure adds force;
-    `onset` [Pa], `dip` [N] and `dip_pressure` [Pa]; `largest` force of the state that ends with it
-    [N]. Of its valve: `time` up to the onset, `vent` from the onset down [s]; `growth` of its force
-    with its valve wide open, on the way to near the supply's pressure [N/s]; `shortfall`: force
-    that is missing there, where the valve is slow [N].
+    Of each unit: pressure at the `top`, and at which it is `parked` once it is recruited [Pa];
+    force when `full` and when `empty` [N]; `adds_force`, true if pressure adds force; `onset` [Pa],
+    `dip` [N] and `dip_pressure` [Pa]; `largest` force of the state that ends with it [N]. Of its
+    valve: `time` up to the onset, `vent` from the onset down [s]; `growth` of its force with its
+    valve wide open, on the way to near the supply's pressure [N/s]; `shortfall`: force that is
+    missing there, where the valve is slow [N].
     """
 
+    top: Numbers
+    parked: Numbers
     full: Numbers
     empty: Numbers
     adds_force: Any
@@ -246,8 +250,9 @@ def evaluate_capability(units: ControlledUnits, demand: UnitDemand) -> UnitCapab
     legs = maximum(contents[1:] - contents[:-1], 0.0) / maximum(flow, 1e-12)
     rise = maximum(full - shortfall - n * units.branches.force(level, eps), 0.0)
     growth = rise / maximum(xp.sum(legs, axis=0), 1e-9)  # s: without a supply it takes no time
-    dip = (onset, n * depth, dip_pressure)
-    return UnitCapability(full, empty, adds_force, *dip, largest, time, vent, growth, shortfall)
+    parked, dip = minimum(onset + ABOVE * top, top), (onset, n * depth, dip_pressure)
+    times = time, vent, growth, shortfall
+    return UnitCapability(top, parked, full, empty, adds_force, *dip, largest, *times)
 
 
 def share_demand(

@@ -79,8 +79,8 @@ class Balance(NamedTuple):
 
 
 class Event(NamedTuple):
-    """Event of a run: `name`; `first` and `last` time [s]; number of `samples` [-]; its
-    `message`, a sentence; `trusted`, true if the run can be trusted all the same.
+    """Event of a run: its `name`, `first` and `last` time [s], number of `samples` [-], `message`,
+    and true if the run can be `trusted` all the same.
     """
 
     name: str

@@ -100,17 +100,6 @@ class ChamberEvaluation(NamedTuple):
         return guarded(absolute(slope) > _FLAT * fluid_slope, slope, fluid_slope)
 
 
-def evaluate_chambers(
-    plant: "Plant", chambers: Numbers, strains: Numbers, pressures: Numbers
-) -> ChamberEvaluation:
-    """Volumes and residual (F12) of `chambers` [SI] of a `plant` at `strains` [-] and given
-    `pressures` [Pa], which aren't solved for.
-    """
-    return _evaluate_residual(
-        plant, chambers, pressures, *muscle_volumes(plant, strains, pressures)
-    )
-
-
 def muscle_volumes(
     plant: "Plant", strains: Numbers, pressures: Numbers
 ) -> tuple[MuscleState, MuscleVolumes]:
@@ -122,15 +111,17 @@ def muscle_volumes(
     return result if array_namespace(V) is np else lax.optimization_barrier(result)
 
 
-def _evaluate_residual(
-    plant: "Plant", chambers: Numbers, P: Numbers, muscles: MuscleState, volumes: MuscleVolumes
+def evaluate_chambers(
+    plant: "Plant", chambers: Numbers, strains: Numbers, P: Numbers, muscles: tuple | None = None
 ) -> ChamberEvaluation:
-    """Chambers at pressures `P` [Pa], for the `muscles` and `volumes` [SI] there."""
-    V, by_strain, by_pressure = volumes
+    """Volumes and residual (F12) of `chambers` [SI] of a `plant` at `strains` [-] and given
+    pressures `P` [Pa], which aren't solved for; `muscles`: its `muscle_volumes` there, if known.
+    """
+    state, (V, by_strain, by_pressure) = muscles or muscle_volumes(plant, strains, P)
     g = plant.chamber.state_residual(chambers, P, V)
     per_volume = g.by_state * plant.chamber.per_volume_rate(chambers, P)
     sensitivity = array_namespace(per_volume).sum(per_volume, axis=-1) + g.by_volume
-    return ChamberEvaluation(P, muscles, V, by_strain, by_pressure, g, sensitivity)
+    return ChamberEvaluation(P, state, V, by_strain, by_pressure, g, sensitivity)
 
 
 def solve_pressures(
@@ -200,7 +191,7 @@ def project_chambers(
         if i:
             muscles, volumes = muscle_volumes(plant, strains, P)
             s = s_0 + push(s_0, (guess + P) / 2) * (volumes.volume - V_0)[..., None]
-        at = _evaluate_residual(plant, s, P, muscles, volumes)
+        at = evaluate_chambers(plant, s, strains, P, (muscles, volumes))
         step = at.newton_step(at.pressure_slope)
         P, before = maximum(P + step, (P + lowest) / 2), P  # half-way to no fluid at most
     last = P - before

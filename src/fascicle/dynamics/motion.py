@@ -15,11 +15,9 @@ if TYPE_CHECKING:
 
 
 class State(NamedTuple):
-    """State of a plant: load, chambers, valves and supply.
-
-    `position` [m or rad], `velocity` [m/s or rad/s]; `spool`: of its valves [-]; `chambers`: state
-    of each unit's [SI], on the last axis; `pressures`: the units' [Pa], or a first guess of them;
-    `supply`: its state [SI].
+    """State of a plant: `position` and `velocity` of the load [SI]; its valves' `spool` [-]; state
+    of each unit's chamber on the last axis of `chambers` [SI]; the units' `pressures` [Pa], or a
+    first guess of them; the `supply`'s state [SI].
     """
 
     position: Batch
@@ -31,11 +29,9 @@ class State(NamedTuple):
 
 
 class Flows(NamedTuple):
-    """Flows of fluid of each unit through open valves, from the supply and to the room.
-
-    `supply_pressure`, `pressures`: gauge [Pa]; `supply_temperature`, `temperatures` [K];
-    openings to `supply` and `exhaust` [-]; into each chamber `mass` [kg/s] and `enthalpy` [W];
-    `drawn` from the supply [kg/s] with its `drawn_enthalpy` [W]; `vented` to the room [kg/s].
+    """Flows of each unit's fluid through valves: pressures, gauge [Pa], and temperatures [K] of
+    supply and units; openings to `supply` and `exhaust` [-]; into each chamber `mass` [kg/s] and
+    `enthalpy` [W]; `drawn` from the supply and `vented` to the room [kg/s]; `drawn_enthalpy` [W].
     """
 
     supply_pressure: Numbers

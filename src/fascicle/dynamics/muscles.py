@@ -73,12 +73,11 @@ class MuscleTables(AbstractMuscles):
         unique, indices = unique_indices(muscles)
         ends = strains or [None] * len(muscles)
         tables = [muscles[i].table(highest_pressure, ends[i], shape) for i in unique]
-
         columns = [(x.root_step, *x.strains, x.rest_length) for x in tables]
         root_step, low, high, length = np.array([columns[i] for i in indices], float).T
-        median, upper, largest = map(max, zip(*(table.errors for table in tables), strict=True))
-        coefficients, errors = np.stack([x.coefficients for x in tables]), (median, upper, largest)
-        stack = MuscleTable(coefficients, root_step, (low, high), length, errors)
+        median, upper, largest = np.max([table.errors for table in tables], axis=0).tolist()
+        coefficients = np.stack([x.coefficients for x in tables])
+        stack = MuscleTable(coefficients, root_step, (low, high), length, (median, upper, largest))
         return cls(stack, np.array(indices))
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
@@ -86,12 +85,10 @@ class MuscleTables(AbstractMuscles):
 
     @property
     def strains(self) -> tuple[Numbers, Numbers]:
-        """Least and largest strain of the table [-], of each unit."""
         return self.table.strains
 
     @property
     def highest_pressure(self) -> Numbers:
-        """Highest pressure of the table [Pa], of each unit."""
         return self.table.highest_pressure
 
 
@@ -156,12 +153,10 @@ class MuscleWrapper(AbstractMuscles):
 
     @property
     def strains(self) -> tuple[Numbers, Numbers]:
-        """Least and largest strain of its `muscles` [-], of each unit."""
         return self.muscles.strains
 
     @property
     def highest_pressure(self) -> Numbers:
-        """Highest pressure of its `muscles` [Pa], of each unit."""
         return self.muscles.highest_pressure
 
 

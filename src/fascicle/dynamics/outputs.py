@@ -55,12 +55,11 @@ _NEARLY_EMPTY = 100.0  # Pa above no fluid: a thousandth of an atmosphere
 
 
 class PlantOutputs(NamedTuple):
-    """Outputs of a plant at a time: what a sensor or a report could show.
-
-    `position`, `velocity` [SI]; of each unit: `pressures` [Pa], `temperatures` [K], `strains` [-],
-    `forces` of all its muscles [N], `volumes` [m³], `masses` [kg], openings to `supply` and
-    `exhaust` [-], flows `drawn` and `vented` [kg/s]; `supply_pressure` [Pa]; energies in `store`,
-    those of `STORES` [J]; `status`: bits of `STATUS`; `reserve`: the supply's own state [SI].
+    """Outputs of a plant at a time: `position`, `velocity` [SI]; of each unit: `pressures` [Pa],
+    `temperatures` [K], `strains` [-], `forces` of all its muscles [N], `volumes` [m³], `masses`
+    [kg], openings to `supply` and `exhaust` [-], flows `drawn` and `vented` [kg/s];
+    `supply_pressure` [Pa]; energies in `store`, those of `STORES` [J]; `status`: bits of `STATUS`;
+    `reserve`: the supply's own state [SI].
     """
 
     position: Batch

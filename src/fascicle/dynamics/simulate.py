@@ -133,10 +133,10 @@ class StepSizeEstimate(NamedTuple):
 class Trajectory(NamedTuple):
     """Results of a simulated run, times on the first axis.
 
-    `time` [s]; `outputs`: the `PlantOutputs` at each time; `commands` from then on [-]; `ledger`:
+    `outputs`: the `PlantOutputs` at each `time` [s]; `commands` from then on [-]; `ledger`:
     energies up to then [J], by the names of `LEDGER`; `substeps` in each step [-]; `step_size`: the
-    `StepSizeEstimate` that chose them, or none; `end`: the state [SI] from which another run can
-    go on, with friction relaxed.
+    estimate that chose them, or none; `end`: the state [SI] from which another run can go on, with
+    friction relaxed.
     """
 
     time: Numbers
@@ -205,9 +205,7 @@ def simulate(
 def _prepare_controller(
     plant: Plant, controller: Any, reference: Values, dt: float, duration: float | None
 ) -> tuple[Any, Any, Numbers]:
-    """Controller, its first memory, and its input at each step: the `reference`, or the commands of
-    a schedule or array, which run open loop.
-    """
+    """Controller, its first memory, and its input at each step: the reference, or commands."""
     act, memory, name = _follow_reference, (), "commands"
     if callable(controller):
         act, memory, name = controller, getattr(controller, "memory", ()), "reference"
@@ -277,7 +275,6 @@ def _run(
     # a derivative computes a step again, which takes less memory than storing it
     @partial(jax.checkpoint, prevent_cse=False)
     def step(carry: tuple, row: tuple) -> tuple[tuple, _Rows]:
-        """One step: the state after it, and the row of its beginning."""
         progress, memory, command, pending = carry
         time, reference, is_last = row
         state, friction_memory = progress.state, progress.friction_memory

@@ -20,9 +20,8 @@ $$w = \sum_j \min(k_j d, 2 a_j) + \min(k_j (S - d), 2 a_j) - 2 a_j, \qquad
 
 in its middle twice the slip forces. A closed loop between $\pm X$ costs $4 f (X - f/k)$ for (H1)
 and $4 f [X - (f/k) \tanh(k X/f)]$ for (H2). The stored energy is $z^2/(2k)$: no displacement gives
-energy.
-$f$ may rise with pressure, $f = f_0 + f_P P$; $k$ may not: a spring that stiffens while it is
-bent makes energy.
+energy. $f$ may rise with pressure, $f = f_0 + f_P P$; $k$ may not: a spring that stiffens while it
+is bent makes energy.
 
 `Coulomb` is dry friction, given as a width in pressure: the muscle pulls as at $P - w$ while it
 contracts, and as at $P + w$ while it is stretched,

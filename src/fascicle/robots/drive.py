@@ -58,11 +58,10 @@ from .tables import SoftEnds, TableWarning, status_message, table_status
 
 
 class Fluid(NamedTuple):
-    """Fluid of bundles: `chambers`, one row for each unit [SI], `pressures` [Pa] at the last step,
-    `spool` of the valves [-], the `supply`'s state [SI], and `inside`, true if all strains and
-    pressures were in the muscles' tables up to now. At the last step: `contractions` of the bundles
-    [m], and the `status` of each unit, a `TableStatus`. `consumption`: mass from the supply so
-    far [kg].
+    """Fluid of bundles: `chambers`, a row for each unit [SI], `spool` of the valves [-], the
+    `supply`'s state [SI], `consumption` from it so far [kg], and `inside`, true if all muscles were
+    in their tables up to now. At the last step: units' `pressures` [Pa] and `status`, a
+    `TableStatus`, and `contractions` of the bundles [m].
     """
 
     chambers: Numbers
@@ -172,9 +171,8 @@ class Drive(Module):
 
     def pull(self, pressures: Numbers, lengths: Numbers) -> Numbers:
         """Pull of each bundle [N] at `pressures` of all units [Pa] and `lengths` of the bundles'
-        tendons [m]; a `TableWarning` says where a muscle has left its table.
-
-        **Raises:** `InvalidInputError` for pressures outside of the tables, and NaN.
+        tendons [m]; a `TableWarning` says where a muscle has left its table, `InvalidInputError`
+        refuses pressures outside of the tables, and NaN.
         """
         return self._pull(*self._enter(pressures, lengths))
 
@@ -218,7 +216,6 @@ class Drive(Module):
             warnings.warn(text, TableWarning, stacklevel=level)
 
     def _describe(self, status: Any) -> str:
-        """Words for the first unit of a `status` that has left its table."""
         names = [self.tendons[side] for side in self.plant.sides]
         return status_message(self.plant.muscles, status, names)
 
