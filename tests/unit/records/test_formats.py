@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from asked import asked
 from fascicle.core.errors import InvalidInputError, MissingExtraError
 from fascicle.records import load, loads, runs
-from fascicle.records.headers import MissingMetadataError
 
 
 TIME = [0.0, 0.1, 0.2, 0.3]
@@ -90,9 +90,8 @@ def test_segments_of_labview_are_read_if_their_units_and_names_are_those_of_the_
     assert_allclose(record.force, FORCE * 2)
     assert_allclose(record.pressure, np.array(PRESSURE * 2) * 1e3)
     for old, new in (("\tN\t", "\tkN\t"), ("Force", "Torque")):
-        with pytest.raises(MissingMetadataError) as error:
-            loads(f"{text}\n{segment.replace(old, new)}", rest_length=REST)
-        first = loads(text + segment.replace(old, new), rest_length=REST, rows=error.value.value)
+        choices = asked(f"{text}\n{segment.replace(old, new)}", rest_length=REST)
+        first = loads(text + segment.replace(old, new), rest_length=REST, rows=choices[0][2])
         check(first, time=name != "labview_without_times")
 
 
@@ -110,17 +109,13 @@ def test_cells_without_a_value_are_holes():
 def test_an_unknown_name_is_offered_as_the_quantities_of_its_unit(header, scale, role, unit):
     columns = [PRESSURE, FORCE, [scale * x for x in CONTRACTION]]
     text = f"p [kPa],F [N],{header}\n" + table(",", columns)
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=REST)
-    assert ("columns", role, header) in [choice[:3] for choice in error.value.choices]
+    assert ("columns", role, header) in asked(text, rest_length=REST)
     check(loads(text, rest_length=REST, columns={role: header}), time=False)
 
 
 def test_columns_by_place():
     text = table(",", [FORCE, PRESSURE, TIME, [1] * 4, LENGTH])
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=REST)
-    assert (error.value.argument, error.value.role) == ("columns", "")
+    assert asked(text, rest_length=REST)[0][:2] == ("columns", "")
     record = loads(text, columns="force[N],pressure[kPa],time,branch,length[mm]", rest_length=REST)
     check(record)
     assert record.branch.tolist() == [1] * 4
@@ -218,9 +213,7 @@ def test_directions():
     text = "P [kPa],F [N],position [mm]\n" + table(
         ",", [PRESSURE, [-x for x in FORCE], [-x for x in CONTRACTION]]
     )
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=REST)
-    assert (error.value.argument, error.value.role) == ("signs", "displacement")
+    assert asked(text, rest_length=REST)[0][:2] == ("signs", "displacement")
     signs = {"displacement": "extension", "force": "pushing positive"}
     check(loads(text, rest_length=REST, signs=signs), time=False)
     with pytest.raises(ValueError, match="of force must be"):
@@ -237,9 +230,7 @@ def test_directions():
 )
 def test_a_muscle_that_pushes_where_all_pull_is_refused(columns):
     text = "P [kPa],F [N],L [mm]\n" + table(",", columns)
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=REST)
-    assert error.value.choices[0][:3] == ("signs", "force", "pushing positive")
+    assert asked(text, rest_length=REST)[0] == ("signs", "force", "pushing positive")
     for sign, direction in ((-1, "pushing"), (1, "pulling")):
         record = loads(text, rest_length=REST, signs={"force": direction})
         assert_allclose(record.force, sign * np.array(columns[1]))
@@ -254,9 +245,7 @@ def test_most_positions_that_stretch_a_muscle_and_let_it_pull_less_are_refused(n
     stroke = np.linspace(-0.4, 12, 8)
     force = 120 - 8 * stroke
     text = f"P [kPa],F [N],{name}\n" + table(",", [[200] * 8, force, -stroke])
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=0.1)
-    assert error.value.choices[0][:3] == ("signs", role, "extension positive")
+    assert asked(text, rest_length=0.1)[0] == ("signs", role, "extension positive")
     record = loads(text, rest_length=0.1, signs={role: "extension"})
     assert_allclose(record.strain, stroke / 100, atol=1e-12)
     # a muscle that is stretched pulls harder
@@ -273,10 +262,9 @@ def test_a_muscle_that_lengthens_with_pressure_under_one_load_is_refused():
     text = "p [kPa],position [mm],load [N]\n" + table(",", columns)
     given: dict = {"rest_length": REST}
     for argument, role in (("signs", "displacement"), ("zeros", "displacement")):
-        with pytest.raises(MissingMetadataError) as error:
-            loads(text, **given)
-        assert error.value.choices[0][:2] == (argument, role)
-        given[argument] = {role: error.value.value}
+        choices = asked(text, **given)
+        assert choices[0][:2] == (argument, role)
+        given[argument] = {role: choices[0][2]}
     assert_allclose(loads(text, **given).strain, (57 - position) / 180)
     steady = "p [kPa],position [mm],load [N]\n" + table(",", [200 - position / 57, *columns[1:]])
     assert len(loads(steady, rest_length=REST)) == 6  # its pressure is constant
@@ -286,9 +274,7 @@ def test_a_muscle_that_lengthens_with_pressure_under_one_load_is_refused():
 def test_a_position_that_counts_from_elsewhere_offers_its_zero(zero):
     position = [float(zero.removesuffix(" mm")) + x for x in CONTRACTION]
     text = "P [kPa],F [N],position [mm]\n" + table(",", [PRESSURE, FORCE, position])
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=REST)
-    assert error.value.choices[0][:3] == ("zeros", "displacement", zero)
+    assert asked(text, rest_length=REST)[0] == ("zeros", "displacement", zero)
     check(loads(text, rest_length=REST, zeros={"displacement": zero}), time=False)
 
 
@@ -297,22 +283,19 @@ def test_a_pressure_around_or_before_the_muscle_is_not_its_own(other):
     header = f"{other} (kPa),P2 (kPa),F (N),L (mm)"
     text = table(",", [[98.7] * 4, PRESSURE, FORCE, LENGTH], header)
     check(loads(text, rest_length=REST), time=False)
-    with pytest.raises(MissingMetadataError) as error:
-        loads(table(",", [[98.7] * 4, FORCE, LENGTH], f"{other} (kPa),F (N),L (mm)"))
-    assert error.value.choices[0][:3] == ("columns", "pressure", f"{other} (kPa)")
+    choices = asked(table(",", [[98.7] * 4, FORCE, LENGTH], f"{other} (kPa),F (N),L (mm)"))
+    assert choices[0] == ("columns", "pressure", f"{other} (kPa)")
 
 
 def test_a_missing_column_is_offered_only_what_could_be_it():
-    with pytest.raises(MissingMetadataError) as error:
-        loads("Cell [V],junk,T [°C],L [mm],p [kPa]\n1,2,3,180,100\n2,3,4,170,100\n")
-    assert [choice[2] for choice in error.value.choices] == ["junk", "20 N"]
+    choices = asked("Cell [V],junk,T [°C],L [mm],p [kPa]\n1,2,3,180,100\n2,3,4,170,100\n")
+    assert [choice[2] for choice in choices] == ["junk", "20 N"]
 
 
 def asked_decimals(text):
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=REST)
-    assert {choice[0] for choice in error.value.choices} == {"decimal"}
-    return {choice[2] for choice in error.value.choices}
+    choices = asked(text, rest_length=REST)
+    assert {choice[0] for choice in choices} == {"decimal"}
+    return {choice[2] for choice in choices}
 
 
 def test_thousands_that_may_be_decimals_are_refused():
@@ -359,9 +342,7 @@ def test_specimens_of_one_file_are_not_mixed():
     )
     text = '"Results"\n"1",118.4\n\n' + "\n".join(block.format(i) for i in (1, 2, 3))
     options = {"rest_length": REST, "constants": {"pressure": "200 kPa"}}
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, **options)
-    (choice,) = error.value.choices
+    (choice,) = asked(text, **options)
     assert choice[:3] == ("rows", "", "1:4")
     for rows in (choice[2], "6:9"):
         check(loads(text, rows=rows, **options), pressure=False)
@@ -379,9 +360,7 @@ def test_one_of_two_specimens_side_by_side_is_chosen():
     other = [TIME, columns[1], [2 * f for f in FORCE]]
     text = f"Specimen 1,,,Specimen 2,,\n{names},{names}\n{table(',', [*columns, *other])}"
     given = {"rest_length": REST, "constants": {"pressure": "200 kPa"}}
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, **given)
-    assert error.value.argument == "columns"
+    assert asked(text, **given)[0][0] == "columns"
     named = "time,displacement[mm],force[N]"
     signs = {"displacement": "extension"}
     first, second = (
@@ -417,9 +396,8 @@ def test_channels_at_two_rates_are_refused(tmp_path):
             nptdms.ChannelObject("Log", name, np.array(values), {"wf_increment": step})
             for name, (values, step) in channels.items()
         ])  # fmt: skip
-    with pytest.raises(MissingMetadataError) as error:
-        load(tmp_path / "m.tdms", rest_length=REST)
-    check(load(tmp_path / "m.tdms", rest_length=REST, table=error.value.value))
+    choices = asked(tmp_path / "m.tdms", rest_length=REST)
+    check(load(tmp_path / "m.tdms", rest_length=REST, table=choices[0][2]))
 
 
 def test_channels_with_clocks_of_their_own_are_interpolated_on_one():
@@ -453,9 +431,8 @@ def test_signals_of_gauges_have_scales(tmp_path):
         'pressure = "1.475 bar/V"\nforce = "12 N/V"\n'
     )
     check(load(path), time=False)
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, scales={"pressure": scales["pressure"]}, **given)
-    assert error.value.choices[0][:2] == ("scales", "force")
+    choices = asked(text, scales={"pressure": scales["pressure"]}, **given)
+    assert choices[0][:2] == ("scales", "force")
     with pytest.raises(ValueError, match="unit is kPa, not V"):
         loads(
             text.replace("P_sens [V]", "P [kPa]"), columns={"pressure": "P"}, scales=scales, **given
@@ -520,9 +497,7 @@ def test_xlsx_files(tmp_path):
     check(load(path, rest_length=REST))
     book.copy_worksheet(sheet).title = "Data 2"
     book.save(path)
-    with pytest.raises(MissingMetadataError) as error:
-        load(path, rest_length=REST)
-    assert (error.value.argument, error.value.value) == ("table", "Data")
+    assert asked(path, rest_length=REST)[0][::2] == ("table", "Data")
     check(load(path, rest_length=REST, table="data 2"))
 
 
@@ -590,10 +565,9 @@ def test_another_header_further_down_is_refused(other):
     text = "P [kPa],F [N],x [mm]\n" + block + "Cycle 2\n"
     assert len(loads(f"{text}P,F,x\nkPa,N,mm\n{block}", rest_length=REST)) == 8
     text = f"{text}{other}\n{block}"
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=REST)
-    assert error.value.argument == "rows"
-    check(loads(text, rest_length=REST, rows=error.value.value), time=False)
+    choices = asked(text, rest_length=REST)
+    assert choices[0][0] == "rows"
+    check(loads(text, rest_length=REST, rows=choices[0][2]), time=False)
 
 
 def test_a_minus_of_typesetters():
@@ -612,9 +586,7 @@ def test_groups_that_state_pressures_are_one_record(tmp_path):
                 for name, values, unit in (
                     ("Force", np.add(FORCE, P), "N"), ("Length", LENGTH, "mm"))
             ])  # fmt: skip
-    with pytest.raises(MissingMetadataError) as error:
-        load(path, rest_length=REST)
-    assert [choice[2] for choice in error.value.choices] == ["P=100kPa", "*"]
+    assert [choice[2] for choice in asked(path, rest_length=REST)] == ["P=100kPa", "*"]
     record = load(path, rest_length=REST, table="*", name_pattern="{pressure}kPa")
     assert_allclose(record.pressure, [1e5] * 4 + [2e5] * 4)
     assert_allclose(record.force, [*np.add(FORCE, 100), *np.add(FORCE, 200)])
@@ -638,9 +610,7 @@ def test_a_board_that_starts_again_loses_no_readings():
 
 def test_columns_that_are_named_by_their_units_alone():
     text = "ms,kPa,N,mm\n" + table(",", [range(0, 400, 100), PRESSURE, FORCE, LENGTH])
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=REST)
-    given = [choice[:3] for choice in error.value.choices]
+    given = asked(text, rest_length=REST)
     assert given == [("columns", "length", "mm"), ("columns", "displacement", "mm")]
     check(loads(text, rest_length=REST, columns={"length": "mm"}))
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from asked import asked
 from fascicle.core.errors import InvalidInputError
 from fascicle.records import load, loads
-from fascicle.records.headers import MissingMetadataError
 
 
 GOOD = """pressure [kPa],length [mm],force [N]
@@ -115,9 +115,7 @@ def test_a_wrong_file_is_refused_in_one_line(old, new, where):
 
 
 def test_lengths_need_the_rest_length():
-    with pytest.raises(MissingMetadataError) as error:
-        loads(GOOD)
-    assert error.value.argument == "rest_length"
+    assert asked(GOOD)[0][0] == "rest_length"
     for wrong in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(ValueError, match="`rest_length`"):
             loads(GOOD, rest_length=wrong)
@@ -125,9 +123,7 @@ def test_lengths_need_the_rest_length():
 
 def test_percent_is_asked_for():
     text = "pressure [kPa],strain,force [N]\n100,{},50\n200,{},80\n"
-    with pytest.raises(MissingMetadataError) as e:
-        loads(text.format(12, 3))
-    percent, length = e.value.choices
+    percent, length = asked(text.format(12, 3))
     record = loads(text.format(12, 3), units={percent[1]: percent[2]})
     assert_array_equal(record.strain, [0.12, 0.03])
     given = {"columns": {length[1]: length[2]}, "units": {"displacement": "mm"}}
@@ -147,9 +143,7 @@ def test_displacements_and_what_grows_as_the_muscle_lengthens():
 @pytest.mark.parametrize("first", ["0", "-1"])
 def test_a_length_that_begins_at_zero_or_below_may_be_a_displacement(first):
     text = f"pressure [kPa],length [mm],force [N]\n100,{first},50\n100,5,20\n"
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=0.25)
-    assert error.value.choices[0][:3] == ("columns", "displacement", "length [mm]")
+    assert asked(text, rest_length=0.25)[0] == ("columns", "displacement", "length [mm]")
 
 
 @pytest.mark.parametrize(

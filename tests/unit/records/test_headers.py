@@ -1,9 +1,12 @@
-"""Units of headers: read, or refused with a hint that is right."""
+"""Names and units of headers: read, or refused with a hint that is right."""
 
 import pytest
 
+from asked import asked
 from fascicle.records import loads
-from fascicle.records.headers import MissingMetadataError, unit_factor
+from fascicle.records.headers import choose_columns, unit_factor
+from fascicle.records.sidecar import Sidecar
+from fascicle.records.tables import open_table
 
 
 def table(pressure="P [kPa]", force="F [N]", position="L [mm]", values="200,50,190"):
@@ -14,11 +17,12 @@ SPELLINGS = {
     "force": {
         "KN": 1e3, "lb-f": 4.4482216152605, "gf": 9.80665e-3, "kg-f": 9.80665,
         "gram-force": 9.80665e-3, "kip": 4448.2216152605, "ozf": 4.4482216152605 / 16, "daN": 10.0,
+        "mN": 1e-3,
     },
     "pressure": {
         "psi (gauge)": 6894.757293168361, "lbf/in²": 6894.757293168361, "mBar": 100.0,
         "Torr": 101325 / 760, "bar ü": 1e5, "inHg": 3386.389, "inH2O": 249.08891, "N/cm²": 1e4,
-        "kp/cm²": 98066.5, "mH2O": 9806.65,
+        "kp/cm²": 98066.5, "mH2O": 9806.65, "MPa": 1e6, "bar": 1e5, "BAR": 1e5,
     },
     "angle": {"deg": 0.017453292519943295, "°": 0.017453292519943295, "rad": 1.0},
     "moment": {
@@ -45,15 +49,11 @@ def test_spellings(dimension):
 )  # fmt: skip
 def test_absolute_pressures_offer_the_atmosphere(header):
     for units in ({}, {"pressure": "kPa"}):
-        with pytest.raises(MissingMetadataError) as error:
-            loads(table(header), rest_length=0.2, units=units)
-        assert error.value.argument == "atmosphere"
+        assert asked(table(header), rest_length=0.2, units=units)[0][0] == "atmosphere"
 
 
 def test_a_pressure_that_a_name_calls_absolute_may_be_given_as_gauge():
-    with pytest.raises(MissingMetadataError) as error:
-        loads(table("Total pressure [kPa]"), rest_length=0.2)
-    _, (argument, role, unit, _) = error.value.choices
+    _, (argument, role, unit) = asked(table("Total pressure [kPa]"), rest_length=0.2)
     record = loads(table("Total pressure [kPa]"), rest_length=0.2, **{argument: {role: unit}})
     assert record.pressure == 200e3
 
@@ -65,9 +65,7 @@ def test_a_pressure_that_a_name_calls_absolute_may_be_given_as_gauge():
 )  # fmt: skip
 def test_a_missing_unit_of_a_weight_is_offered(header, unit, si):
     text = table(force=header, values="200,5,190")
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=0.2)
-    assert error.value.choices[0][:3] == ("units", "force", unit)
+    assert asked(text, rest_length=0.2)[0] == ("units", "force", unit)
     record = loads(text, rest_length=0.2, units={"force": unit})
     assert record.force[0] == pytest.approx(5 * si)
 
@@ -76,9 +74,7 @@ def test_a_missing_unit_of_a_weight_is_offered(header, unit, si):
     ("role", "header"), [("force", "F [V]"), ("pressure", "P [mA]"), ("pressure", "adc_pressure")]
 )
 def test_a_scale_is_offered_for_a_signal(role, header):
-    with pytest.raises(MissingMetadataError) as error:
-        loads(table(**{role: header}), rest_length=0.2)
-    assert error.value.choices[0][:2] == ("scales", role)
+    assert asked(table(**{role: header}), rest_length=0.2)[0][:2] == ("scales", role)
 
 
 def test_no_unit_is_offered_where_the_numbers_are_of_another_quantity():
@@ -97,9 +93,7 @@ def test_a_given_atmosphere_is_subtracted_unless_the_unit_says_gauge():
 
 
 def test_an_atmosphere_at_which_the_muscle_is_slack_is_refused():
-    with pytest.raises(MissingMetadataError) as error:
-        loads(table(values="101.3,0.5,200\n301.3,60,200"), rest_length=0.2)
-    offered = [choice[:3] for choice in error.value.choices]
+    offered = asked(table(values="101.3,0.5,200\n301.3,60,200"), rest_length=0.2)
     assert offered == [("atmosphere", "", "101.3 kPa"), ("units", "pressure", "kPa (g)")]
 
 
@@ -112,9 +106,7 @@ def test_raw_readings_are_no_pressure(name):
 def test_numbers_of_channels_are_no_units():
     record = loads("Pressure 1,Force 1,Length 1\nkPa,N,mm\n200,50,190\n", rest_length=0.2)
     assert record.force == [50]
-    with pytest.raises(MissingMetadataError) as error:
-        loads(table("Pressure 1"), rest_length=0.2)
-    assert error.value.choices[0][:3] == ("units", "pressure", "kPa")
+    assert asked(table("Pressure 1"), rest_length=0.2)[0] == ("units", "pressure", "kPa")
 
 
 def test_a_given_unit_is_not_that_of_columns_with_other_names():
@@ -122,9 +114,7 @@ def test_a_given_unit_is_not_that_of_columns_with_other_names():
     units = {"pressure": "bar", "force": "N", "displacement": "mm"}
     record = loads(text, rest_length=0.2, columns={"displacement": "s"}, units=units)
     assert record.pressure == [1.9e5]
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text, rest_length=0.2)
-    assert error.value.choices[0][:3] == ("columns", "length", "s")
+    assert asked(text, rest_length=0.2)[0] == ("columns", "length", "s")
 
 
 def test_a_strain_gauge_beside_a_length_is_not_the_contraction():
@@ -135,9 +125,7 @@ def test_a_strain_gauge_beside_a_length_is_not_the_contraction():
 def test_fractions_in_a_column_of_percent_are_refused():
     rows = "\n".join(f"200,{100 - 400 * x},{x}" for x in (0, 0.05, 0.1, 0.15, 0.2, 0.25))
     text = table(position="Contraction (%)", values=rows)
-    with pytest.raises(MissingMetadataError) as error:
-        loads(text)
-    assert error.value.choices[0][:3] == ("units", "strain", "1")
+    assert asked(text)[0] == ("units", "strain", "1")
     for unit, factor in (("1", 1), ("%", 0.01)):
         record = loads(text, units={"strain": unit})
         assert record.strain.max() == pytest.approx(0.25 * factor)
@@ -159,3 +147,78 @@ def test_a_hint_is_left_out_where_it_is_not_known():
         assert f"did you mean {hint}" in str(error.value) or not hint
         assert hint or "did you mean" not in str(error.value)
     assert len(loads(table(values="8,20,190"), rest_length=0.2)) == 1
+
+
+def chosen(header, columns=None, units=None):
+    table = open_table(header.encode() + b"\n", "m.csv")
+    return choose_columns(table, Sidecar(columns=columns or {}, units=units or {}))[0]
+
+
+COLUMNS = {
+    "pressure": {
+        "pressure [kPa]": 1e3, "PRESSURE [PSI]": 6894.757293168361, "p_kPa": 1e3, "p/bar": 1e5,
+        "P / MPa": 1e6, '"Pressure, kPa"': 1e3, "pressure in mbar": 100.0, "Pressure kPa": 1e3,
+        "Muscle pressure {bar(g)}": 1e5, "gauge pressure [psig]": 6894.757293168361,
+        "Pressure (gauge) [kPa]": 1e3, "MusclePressure [kPa]": 1e3, "Druck [bar]": 1e5,
+        "pressure <N/mm²>": 1e6,
+    },
+    "force": {
+        "Force/N": 1.0, "F (kN)": 1e3, "load cell (lbs)": 4.4482216152605, '"Force, mN"': 1e-3,
+        "Kraft [Newton]": 1.0, "axial_force_N": 1.0, "force [kgf]": 9.80665,
+    },
+    "length": {
+        "length_m": 1.0, "Length (in.)": 0.0254, "L [mm]": 1e-3, "Länge [cm]": 1e-2,
+    },
+    "strain": {
+        "strain": 1.0, "strain [-]": 1.0, "strain (%)": 1e-2, "contraction_pct": 1e-2,
+        "ε [%]": 1e-2, "contraction": 1.0, "strain [mm/mm]": 1.0, "strain (measured)": 1.0,
+        "extension [%]": -1e-2,
+    },
+    "displacement": {
+        "contraction [mm]": 1e-3, "stroke/mm": 1e-3, "displacement_in": 0.0254, "x [mm]": 1e-3,
+        "Kolbenweg [mm]": 1e-3, "extension [mm]": -1e-3, "Verlängerung [mm]": -1e-3,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("role", "header", "si"),
+    [(role, header, si) for role, group in COLUMNS.items() for header, si in group.items()],
+)
+def test_names_and_units_of_columns(role, header, si):
+    others = {"pressure": "p [Pa]", "force": "F [N]", "strain": "strain"}
+    others.pop(role if role in others else "strain")
+    found = chosen(",".join([header, *others.values()]))[role]
+    assert (found.index, found.factor * found.sign) == (0, pytest.approx(si, rel=1e-14))
+
+
+def test_setpoints_and_rates_are_no_readings():
+    found = chosen("pressure setpoint [kPa],pressure sensor [kPa],strain rate,strain,force [N]")
+    assert (found["pressure"].index, found["strain"].index) == (1, 3)
+    # named in so many words, they are
+    given = chosen("pressure setpoint [kPa],strain,force [N]", {"pressure": "pressure setpoint"})
+    assert given["pressure"].index == 0
+
+
+def test_raw_signals_stresses_and_gauge_lengths_are_no_readings():
+    assert chosen("pressure [Pa],F [V],load cell [N],strain")["force"].index == 2
+    with pytest.raises(ValueError, match="no column of pressure found"):
+        chosen("sigma [MPa],force [N],strain")
+    found = chosen("pressure [Pa],force [N],gauge length [mm],extension [mm]")
+    assert found["displacement"].index == 3
+    assert "length" not in found
+
+
+def test_a_remark_beside_a_name_and_a_unit_that_is_unknown():
+    found = chosen("pressure,position (laser),force (load cell)\nkPa,mm,N\n100,5,20")
+    units = {role: column.unit for role, column in found.items()}
+    assert units == {"pressure": "kPa", "displacement": "mm", "force": "N"}
+    with pytest.raises(ValueError, match="'thou'"):
+        chosen("pressure [Pa],displacement [thou],force [N]")
+
+
+def test_flags_branches_and_times():
+    found = chosen("length_m,pressure_Pa,force_N,zero_is_no_tension,t [ms],direction,T [degC]")
+    places = [found[role].index for role in ("clipped", "time", "branch")]
+    assert places == [3, 4, 5]
+    assert found["time"].factor == 1e-3
