@@ -67,6 +67,10 @@ _ABSOLUTE_WORDS = {*words("abs, absolute, total, absolutdruck, absolue, absolut,
 _MASSES = {"mass", "masse", "weight", "gewicht"}
 # these grow as the muscle lengthens
 _LONGER = {"extension", "elongation", "tensile", "verlängerung"}
+_NEEDS_UNIT = {
+    "angle": {"position", "rotation", "encoder", "joint"},  # else they may be lengths or counts
+    "displacement": {"contraction", "shortening", *_LONGER, "x"},  # else strains, or anything
+}
 SIGNALS = {*words("v, mv, µv, volt, volts, ma, counts, adc, lsb")}  # of a raw gauge
 _RAW = {*SIGNALS, "raw", "voltage", "bits"}  # words in the name of a gauge's raw readings
 _MEASURED = {"ist", "act", "actual", "meas", "measured"}  # beside a setpoint: p_ist is a pressure
@@ -297,12 +301,8 @@ def score(header: str, unit: str, role: str) -> int:
         if role in {*POSITIONS, "torque", "moment_arm", "time"} and stated:
             if not fits:  # the unit tells which of them it is
                 continue
-        elif role == "force" and is_unit(stated, "moment"):
+        elif name in _NEEDS_UNIT.get(role, ()) or (role == "force" and is_unit(stated, "moment")):
             continue
-        elif role == "angle" and name in {"position", "rotation", "encoder", "joint"}:
-            continue  # without a unit these may be lengths or counts
-        elif role == "displacement" and name in {"contraction", "shortening", *_LONGER, "x"}:
-            continue  # without a unit these are strains, and x is anything
         terms, names = TERMS[role], name.split()
         if name in terms:
             best = max(best, 2 if stated.lower() in SIGNALS else 4 + fits)

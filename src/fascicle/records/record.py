@@ -121,10 +121,8 @@ class Record:
 
         **Returns:** the selected readings.
         """
-        arrays = {name: getattr(self, name)[selection] for name in COLUMNS}
-        for name in OPTIONAL_COLUMNS:
-            values = getattr(self, name)
-            arrays[name] = None if values is None else values[selection]
+        columns = {name: getattr(self, name) for name in (*COLUMNS, *OPTIONAL_COLUMNS)}
+        arrays = {name: x[selection] for name, x in columns.items() if x is not None}
         return replace(self, **arrays, notes=(*self.notes, *notes), doubts=(*self.doubts, *notes))
 
 

@@ -164,7 +164,11 @@ class Table:
         """
         first, last = rows or (1, MAX_ROWS)
         frame = self._frame.iloc[first - 1 : last].copy()
-        words = self._word_rows(frame)
+        # below rows that begin with a number, a word begins those of a mean and the like
+        begins = frame[0].astype(str).tolist()
+        start = next((i for i, text in enumerate(begins) if is_number(text or "0")), len(begins))
+        is_word = [text[:1].isalpha() and not _is_hole(text) for text in begins]
+        words = np.array(is_word, dtype=bool) & (np.arange(len(begins)) > start)
         values = {i: self.numbers.values(frame[i]) for i in numbers}
         has_extra = (frame.iloc[:, len(self.header) :] != "").any(axis=1).to_numpy()
         is_finite = np.isfinite([*values.values(), np.zeros(len(frame))]).all(axis=0)
@@ -180,7 +184,11 @@ class Table:
                     raise MissingMetadataError(before, ("rows", "", f"1:{row}", ", or all with 1:"))
                 word_lines.append(line)
             elif has_extra[row]:
-                raise self._width_error(line, len(_trim(cells)))
+                width, count = len(self.header), len(_trim(cells))
+                rule = f"{count} cells, where the header has {width}: quote or drop the odd ones"
+                if self.delimiter == "," and count <= 2 * width:
+                    rule += ", or part the columns by semicolons if decimals stand after commas"
+                raise ValueError(f"{self.source}, line {line}: {rule}.")
             elif bad:
                 raise self._number_error(line, cells[bad[0]], bad[0])
             else:
@@ -202,14 +210,6 @@ class Table:
         for i, x in values.items():
             frame[i] = x
         return frame[is_reading], notes
-
-    @staticmethod
-    def _word_rows(frame: "pd.DataFrame") -> np.ndarray:
-        """Mask of rows that begin with a word, as of a mean, below one with a number."""
-        begins = frame[0].astype(str).tolist()
-        start = next((i for i, text in enumerate(begins) if is_number(text or "0")), len(begins))
-        is_word = [text[:1].isalpha() and not _is_hole(text) for text in begins]
-        return np.array(is_word, dtype=bool) & (np.arange(len(begins)) > start)
 
     @cached_property
     def _frame(self) -> "pd.DataFrame":
@@ -270,14 +270,6 @@ class Table:
             before = f"{self.source}, line {line}: another header than in line {self.line}: split"
             choice = ("rows", "", f"1:{count - 1}", ", for those above it")
             raise MissingMetadataError(f"{before} the file there, or give ", choice)
-
-    def _width_error(self, line: int, count: int) -> ValueError:
-        """The error for a row with a `count` of cells above the header's."""
-        width = len(self.header)
-        rule = f"{count} cells, where the header has {width}: quote or drop the odd ones"
-        if self.delimiter == "," and count <= 2 * width:
-            rule += ", or part the columns by semicolons if decimals stand after commas"
-        return ValueError(f"{self.source}, line {line}: {rule}.")
 
     def _number_error(self, line: int, text: str, column: int) -> ValueError:
         """The error for a cell that holds no number."""

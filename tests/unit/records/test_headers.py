@@ -3,7 +3,7 @@
 import pytest
 
 from asked import asked
-from fascicle.records import loads
+from fascicle.records import MissingMetadataError, loads
 from fascicle.records.headers import choose_columns, unit_factor
 from fascicle.records.sidecar import Sidecar
 from fascicle.records.tables import open_table
