@@ -115,11 +115,7 @@ def _compare_policies(study: "files.Scenario", outputs: Outputs, report: str | N
                 variant = study.with_policy(policy)
                 result = variant.run()
             doubts = fs.dynamics.audit(variant.plant, result).doubts
-            tracking = pages.run_demand(variant, result)
-            assert tracking is not None
-            assert variant.control is not None
-            metrics = pages.run_metrics(variant.control, result)
-            runs[policy] = pages.PolicyRun(variant.control, result, metrics, tracking, doubts)
+            runs[policy] = pages.policy_run(variant, result, doubts)
     metrics = [run.metrics for run in runs.values()]
     controllers = {name: run.control.controller for name, run in runs.items()}
     table = fs.tables.policy_table(controllers, metrics, [not run.doubts for run in runs.values()])

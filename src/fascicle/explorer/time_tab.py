@@ -35,13 +35,19 @@ _CHARTS = {"force": 150, "contraction": 150, "pressures": 150, "valves": 110, "e
 _LEFT = 66  # pixels beside each chart, so that times are below one another
 _SCENE_HEIGHT = "clamp(300px, 100vh - 420px, 620px)"
 # dashes of Bokeh, and the nearest of CSS and of matplotlib
-_DASHES = ("solid", "dashed", "dotted", "dotdash", "dashdot")
-_CSS_DASHES: dict[str, str] = dict(
-    zip(_DASHES, ("solid", "dashed", "dotted", "dashed", "dashed"), strict=True)
-)
-_PRINT_DASHES: dict[str, Any] = dict(
-    zip(_DASHES, ("-", "--", ":", (0, (1, 2, 5, 2)), "-."), strict=True)
-)
+_DASHES: dict[str, tuple[str, Any]] = {
+    "solid": ("solid", "-"),
+    "dashed": ("dashed", "--"),
+    "dotted": ("dotted", ":"),
+    "dotdash": ("dashed", (0, (1, 2, 5, 2))),
+    "dashdot": ("dashed", "-."),
+}
+_ENERGIES = {
+    "from the supply": "account_supplied",
+    "lost in valves and walls": "account_valve account_exhaust account_mixing account_wall",
+    "stored in fluid and muscles": "stored_fluid stored_muscles",
+    "work on the load": "account_pull",
+}
 _PICTURE_HEIGHT = 1.3  # inches, of a chart
 _NARROW = 44.0  # mm of the drawing that a unit's labels take
 _OPEN = 1e-3  # of a valve, from which on it counts as open
@@ -80,7 +86,7 @@ class Curve(NamedTuple):
 
 
 class ChartCurves(NamedTuple):
-    """Curves of a chart with its `title` and `unit`."""
+    """The `curves` of a chart."""
 
     title: str
     unit: str
@@ -91,13 +97,13 @@ class ScenarioInputs:
     """Choice of a scenario, and its values and policies that a visitor changes."""
 
     def __init__(self, tab: "TimeView"):
-        self._session, self._tab, self._updating = tab.session, tab, False
+        self._session, self._tab = tab.session, tab
         names = [*scenarios(), _OWN]
         self.scenario = ui.dropdown("Scenario", names, self._choose_scenario, width=200)
         self.file = ui.file_input("Open a scenario (.toml)", ".toml", self._open_file)
         label = "Run the bundle of the other tabs"
         self.page_bundle = ui.widget(pn.widgets.Checkbox, label, self._set_bundle, margin=(6, 8))
-        self.about = ui.pane(sizing_mode="stretch_width")
+        self.about = ui.wide_pane()
         self._inputs: dict[str, ui.Field] = {}
         self._fields, self._policy_title = ui.column(), ui.pane()
         self.policies = ui.widget(
@@ -111,8 +117,7 @@ class ScenarioInputs:
     def show(self, view: View) -> None:
         """Show the setup of a `view`."""
         setup, has_control = view.setup, view.setup.has_control
-        self._updating = True
-        self.scenario.value = _OWN if setup.own else setup.name
+        self.scenario.value = _listed_name(setup)
         name = setup.name if setup.own else scenarios()[setup.name]
         self.about.object = f"<p>{html.escape(name)}</p>"
         takes = setup.takes_bundle
@@ -122,7 +127,6 @@ class ScenarioInputs:
         title = ui.heading("Policies to compare (default: the scenario's)")
         self._policy_title.object = title if has_control else ui.status_line(_NO_POLICY)
         self._words.visible = has_control
-        self._updating = False
 
     def _show_fields(self, view: View) -> None:
         fields = view.setup.fields
@@ -144,7 +148,7 @@ class ScenarioInputs:
         return ui.Field(field.label, name, field.dimension, set_value)
 
     def _choose_scenario(self, name: str) -> None:
-        if self._updating:
+        if name == _listed_name(self._session.view.setup):
             return
         if name == _OWN:
             self._tab.message.show("Open your own scenario by its file, on the left.")
@@ -154,15 +158,12 @@ class ScenarioInputs:
         self._session.change(setup=Setup(name))
 
     def _set_bundle(self, page_bundle: bool) -> None:
-        if not self._updating:
-            setup = replace(self._session.view.setup, page_bundle=page_bundle)
-            self._session.change(setup=setup)
+        if (setup := self._session.view.setup).takes_bundle:
+            self._session.change(setup=replace(setup, page_bundle=page_bundle))
 
     def _set_policies(self, names: list[str]) -> None:
-        """Set the control policies to compare to those that a visitor ticked."""
-        if not self._updating:
-            setup = self._session.view.setup
-            self._session.change(setup=replace(setup, policies=check_policies(setup, names)))
+        setup = self._session.view.setup
+        self._session.change(setup=replace(setup, policies=check_policies(setup, names)))
 
     def _open_file(self, raw: bytes, name: str) -> None:
         with self._tab.message.errors():
@@ -180,14 +181,17 @@ class ScenarioInputs:
         return f"{stem}.toml", view.setup.text(policy, view.bundle).encode()
 
 
+def _listed_name(setup: Setup) -> str:
+    return _OWN if setup.own else setup.name
+
+
 class Player:
     """Drawing of a run, with a button, a slider and a speed that play it in the browser."""
 
     def __init__(self, colors: Colors, charts: Sequence[Chart]):
         """Player whose slider and cursor are those of the `charts` over time, too."""
-        scene = self._scene = Chart(
-            colors, "", "", _SCENE_HEIGHT, tools="", toolbar_location=None, min_border=0
-        )
+        plain = {"tools": "", "toolbar_location": None, "min_border": 0}
+        scene = Chart(colors, "", "", _SCENE_HEIGHT, **plain)
         parts = {name: scene.add(f"time_{name}") for name in ("rigid", "tubes", "labels", "valves")}
         self._frames = scene.new_source("time", "time_frames")
         self._frames.tags = [None]
@@ -199,46 +203,30 @@ class Player:
             chart.figure.add_layout(cursor)
             cursors.append(cursor)
         models = {"cursors": cursors, "frames": self._frames, "scene": scene.figure}
-        self._add_controls(parts | models)
-        for chart in charts:
-            chart.figure.js_on_event(Tap, self._code)
-        self.pane = scene.new_pane()
-
-    def _add_controls(self, models: dict[str, Any]) -> None:
         style: Any = {"stylesheets": [ui.WIDGET_CSS]}
         play = Button(label="▶ Play", width=96, margin=(20, 4, 4, 8), name="play", **style)
         options: Any = [(value, f"{value}×") for value in _SPEEDS]
         speed = Select(title="Speed", width=78, value="1", margin=(2, 8), options=options, **style)
-        slider = self._slider = Slider(
-            title="Time [s]",
-            start=0,
-            end=1,
-            value=0,
-            step=0.001,
-            margin=(4, 14),
-            name="time",
-            sizing_mode="stretch_width",
-            format="0.000",
-            **style,
-        )
+        style |= {"sizing_mode": "stretch_width", "margin": (4, 14), "format": "0.000"}
+        slider = Slider(title="Time [s]", start=0, end=1, value=0, step=0.001, name="time", **style)
         numbers = ":host { font-variant-numeric: tabular-nums; color: var(--ink); }"
         readout = Div(text="", sizing_mode="stretch_width", margin=(2, 8), stylesheets=[numbers])
         controls = {"play": play, "speed": speed, "slider": slider, "readout": readout}
-        code = self._code = CustomJS(args=models | controls, code=_PLAY)
+        code = CustomJS(args=parts | models | controls, code=_PLAY)
         play.js_on_click(code)
         self._frames.js_on_change("data", code)
         for control in (slider, speed):
             control.js_on_change("value", code)
         for size in ("inner_width", "inner_height"):
-            self._scene.figure.js_on_change(size, code)
-        wide, fixed = {"sizing_mode": "stretch_width"}, {"sizing_mode": None}
-        self.controls = ui.row(
-            pn.pane.Bokeh(play, margin=0, **fixed),
-            pn.pane.Bokeh(slider, margin=0, **wide),
-            pn.pane.Bokeh(speed, margin=0, **fixed),
-            kind="",
+            scene.figure.js_on_change(size, code)
+        for chart in charts:
+            chart.figure.js_on_event(Tap, code)
+        self._slider, self.pane = slider, scene.new_pane()
+        modes = {play: None, slider: "stretch_width", speed: None, readout: "stretch_width"}
+        *controls, self.readout = (
+            pn.pane.Bokeh(model, margin=0, sizing_mode=mode) for model, mode in modes.items()
         )
-        self.readout = pn.pane.Bokeh(readout, margin=0, **wide)
+        self.controls = ui.row(*controls, kind="")
 
     def show(self, fixed: dict[str, Any], frames: dict[str, np.ndarray]) -> None:
         """Send the columns of `frames`, and what is `fixed` in all of them."""
@@ -260,40 +248,27 @@ class TimeView(Tab):
         self._run_text = ""  # scenario of the result
         self.drawn = ui.dropdown("Policy that is drawn", [], self._choose_drawn, visible=False)
         self.inputs = ScenarioInputs(self)
-        self.run = ui.button("Run", self.start_run, color="primary", width=76, margin=(22, 4, 4, 8))
-        self.cancel = ui.button(
-            "Cancel", self.cancel_run, width=76, margin=(22, 4, 4, 4), disabled=True
-        )
+        style: Any = {"width": 76, "margin": (22, 4, 4, 4)}
+        self.run = ui.button("Run", self.start_run, color="primary", **style)
+        self.cancel = ui.button("Cancel", self.cancel_run, disabled=True, **style)
         self._progress = Progress("simulating", self.status)
         self._runs = LatestResult(self._show_result, self._fail_run, self.is_open, WAITING)
+        style = {"min_border_left": _LEFT, "tools": "xpan,xbox_zoom,xwheel_zoom,reset"}
         self.charts = [
-            Chart(
-                colors,
-                "Time t [s]" if name == "energies" else " ",
-                " ",
-                f"{height}px",
-                min_border_left=_LEFT,
-                tools="xpan,xbox_zoom,xwheel_zoom,reset",
-            )
-            for name, height in _CHARTS.items()
+            Chart(colors, " ", " ", f"{height}px", **style) for height in _CHARTS.values()
         ]
-        self._legends = [ui.pane(sizing_mode="stretch_width", margin=(4, 8, 0, 8)) for _ in _CHARTS]
+        self.charts[-1].figure.xaxis[0].axis_label = "Time t [s]"
+        self._legends = [ui.wide_pane(margin=(4, 8, 0, 8)) for _ in _CHARTS]
         self.curves: list[Any] = []
         for chart, name in zip(self.charts, _CHARTS, strict=True):
             chart.figure.x_range = self.charts[0].figure.x_range
             chart.add_zero_line()
             self.curves.append(chart.add("over_time", f"time_{name}"))
         self._player = Player(colors, self.charts)
-        self._drawing_legend = ui.pane(sizing_mode="stretch_width")
+        self._drawing_legend = ui.wide_pane()
         self._table = ui.pane(margin=(4, 8), stylesheets=[ui.LAYOUT_CSS, _TABLE_CSS])
-        drawing = ui.column(
-            self.drawn,
-            self._player.pane,
-            self._drawing_legend,
-            self._table,
-            kind="equal",
-            styles={"flex": "2 1 0"},
-        )
+        drawn = (self.drawn, self._player.pane, self._drawing_legend, self._table)
+        drawing = ui.column(*drawn, kind="equal", styles={"flex": "2 1 0"})
         pairs = zip(self._legends, self.charts, strict=True)
         panes = (part for legend, chart in pairs for part in (legend, chart.new_pane()))
         charts = ui.column(*panes, kind="equal", styles={"flex": "3 1 0"})
@@ -343,7 +318,6 @@ class TimeView(Tab):
         self.run.disabled, self.cancel.disabled = False, True
 
     def _fail_run(self, error: ValueError | str) -> None:
-        """End a run that failed, and say so; the last result stays."""
         self._end_run()
         self.fail(error)
 
@@ -376,21 +350,16 @@ class TimeView(Tab):
             return
         self._show_notes(result)
         time = self._samples("time")
-        rows = zip(
-            self._chart_curves(self.colors), self.charts, self.curves, self._legends, strict=True
-        )
+        charts = self._chart_curves(self.colors)
+        rows = zip(charts, self.charts, self.curves, self._legends, strict=True)
         for (title, unit, curves), chart, source, legend in rows:
-            source.data = {
-                "xs": [time] * len(curves),
-                "ys": [curve.values for curve in curves],
-                "color": [curve.color for curve in curves],
-                "dash": [curve.dash for curve in curves],
-                "width": [curve.width for curve in curves],
-            }
-            lines = [(html.escape(c.label), c.color, _CSS_DASHES[c.dash]) for c in curves]
+            ys, _, color, dash, width = map(list, zip(*curves, strict=True))
+            xs = [time] * len(curves)
+            source.data = {"xs": xs, "ys": ys, "color": color, "dash": dash, "width": width}
+            lines = [(html.escape(c.label), c.color, _DASHES[c.dash][0]) for c in curves]
             legend.object = f"<b>{title}</b>{ui.html_legend(lines)}"
             chart.figure.yaxis[0].axis_label = f"[{unit}]"
-            values = np.concatenate([curve.values for curve in curves])
+            values = np.concatenate(ys)
             least = 0.0 if np.nanmin(values) < np.nanmax(values) else 1.0  # of a level curve
             chart.set_ranges((0.0, time[-1]), padded_range(values, 0.06, least))
         self._table.object = ""
@@ -400,9 +369,8 @@ class TimeView(Tab):
             heads = [result.heads[i].removesuffix(" [-]") for i in shown]
             cells = [[html.escape(texts[i]) for i in shown] for texts in result.policy_rows]
             measure = _DRAWDOWN + (_DIP if "drawdown/D" in names else "")
-            self._table.object = (
-                ui.html_table(heads, cells) + f'<p class="small note">{measure}</p>'
-            )
+            note = f'<p class="small note">{measure}</p>'
+            self._table.object = ui.html_table(heads, cells) + note
         self._show_frames()
 
     def _show_notes(self, result: time_run.SimulationResult) -> None:
@@ -413,8 +381,7 @@ class TimeView(Tab):
             name = html.escape(result.name)
             text = f"<b>These are results of {name} before your changes: press Run.</b>"
             lines.insert(0, text)
-        notes = dict.fromkeys(note for run in result.runs for note in run.notes)
-        lines += [ui.text_html(note) for note in (*notes, *result.notes)]
+        lines += map(ui.text_html, result.notes)
         doubts = (
             f'<p class="warning">{html.escape(_run_label(run))} can\'t be trusted:'
             f" {ui.text_html('; '.join(run.doubts))}.</p>"
@@ -432,14 +399,13 @@ class TimeView(Tab):
         """Curves of each chart, on a page of these `colors`."""
         result, run = self.result, self.drawn_run
         assert result is not None
-        labels = [_run_label(item) for item in result.runs]
+        rotary, runs = result.rotary, result.runs
+        labels = [_run_label(item) for item in runs]
         # the first two colors are motor units'
         styles = list(zip(labels, cycle_colors(colors, len(labels), first=2), cycle(_DASHES)))
-        rotary = result.rotary
         force_unit, force = ("N·m", 1.0) if rotary else self.unit("force")
         length_unit, length = ("°", np.pi / 180) if rotary else self.unit("length")
         pressure_unit, pressure = self.unit("pressure")
-        runs = result.runs
         forces = _curves([item.pull[item.rows] / force for item in runs], styles)
         positions = _curves([self._samples("position", item) / length for item in runs], styles)
         if result.quantity:
@@ -467,20 +433,10 @@ class TimeView(Tab):
 
     def _energies(self, colors: Colors) -> list[Curve]:
         """Curves of the energies [J] since the start, in the terms of (A1) and (A2)."""
-
-        def total(*names: str) -> np.ndarray:
-            values = np.sum([self._samples(name) for name in names], axis=0)
-            return values - values[0]
-
-        losses = [f"account_{name}" for name in ("valve", "exhaust", "mixing", "wall")]
-        terms = {
-            "from the supply": total("account_supplied"),
-            "lost in valves and walls": total(*losses),
-            "stored in fluid and muscles": total("stored_fluid", "stored_muscles"),
-            "work on the load": total("account_pull"),
-        }
+        totals = [sum(map(self._samples, names.split())) for names in _ENERGIES.values()]
         palette = (colors.ink, *cycle_colors(colors, 3, first=2))
-        return _curves(terms.values(), zip(terms, palette, _DASHES, strict=False))
+        styles = zip(_ENERGIES, palette, _DASHES, strict=False)
+        return _curves([total - total[0] for total in totals], styles)
 
     def _show_frames(self) -> None:
         """Send the drawing, and the numbers beside it."""
@@ -505,12 +461,10 @@ class TimeView(Tab):
             "muscles": drawing.muscles,
             "colors": cycle_colors(colors, units),
             "alphas": time_run.ALPHAS,
-            "hatches": ["right_diagonal_line" if hatched else " " for hatched in time_run.HATCHED],
+            "hatches": time_run.HATCHES,
             "states": time_run.STATES,
-            "fixed": [
-                [polygon[:, 0].tolist(), polygon[:, 1].tolist()] for polygon in drawing.fixed
-            ],
-            "fixed_fills": [fills[kind] for kind in drawing.fixed_kinds],
+            "fixed": [corners.T.tolist() for _, corners in drawing.fixed],
+            "fixed_fills": [fills[kind] for kind, _ in drawing.fixed],
             "rigid_fills": [fills[kind] for kind in drawing.rigid_kinds],
             "labels": drawing.labels,
             "label_height": top - 28.0,
@@ -524,18 +478,15 @@ class TimeView(Tab):
             "room": colors.curves[4],
             "shut": colors.soft,
         }
-        self._player.show(
-            fixed,
-            {
-                "time": self._samples("time"),
-                "tubes": drawing.tubes.reshape(frames, -1),
-                "rigid": drawing.rigid.reshape(frames, -1),
-                "states": drawing.states,
-                "pressures": self._samples("pressure") / pressure,
-                "openings": np.where(np.abs(openings) < _OPEN, 0.0, openings),
-                **columns,
-            },
-        )
+        columns |= {
+            "time": self._samples("time"),
+            "tubes": drawing.tubes.reshape(frames, -1),
+            "rigid": drawing.rigid.reshape(frames, -1),
+            "states": drawing.states,
+            "pressures": self._samples("pressure") / pressure,
+            "openings": np.where(np.abs(openings) < _OPEN, 0.0, openings),
+        }
+        self._player.show(fixed, columns)
 
     def export(self) -> Export:
         """Picture of the charts, and the whole run's data."""
@@ -553,7 +504,7 @@ def charts_figure(time: np.ndarray, charts: Sequence[ChartCurves]) -> Figure:
     figure, axes = new_figure(len(charts), 1, DOUBLE, _PICTURE_HEIGHT * len(charts), sharex=True)
     for ax, chart in zip(axes[:, 0], charts, strict=True):
         for curve in chart.curves:
-            style: Any = {"linestyle": _PRINT_DASHES[curve.dash], "linewidth": curve.width * 0.6}
+            style: Any = {"linestyle": _DASHES[curve.dash][1], "linewidth": curve.width * 0.6}
             ax.plot(time, curve.values, color=curve.color, label=curve.label, **style)
         ax.set_title(chart.title, loc="left")
         ax.set_ylabel(f"[{chart.unit}]")

@@ -47,6 +47,14 @@ class PolicyRun(NamedTuple):
     doubts: list[str]
 
 
+def policy_run(scenario: "Scenario", run: "Trajectory", doubts: list[str]) -> PolicyRun:
+    """A `run` of a `scenario` that has a policy, with its metrics."""
+    control, tracking = scenario.control, run_demand(scenario, run)
+    assert control is not None
+    assert tracking is not None
+    return PolicyRun(control, run, run_metrics(control, run), tracking, doubts)
+
+
 def report(scenario: "Scenario", run: "Trajectory", audit: "Audit", date: str) -> str:
     """Page of a scenario's `run` [SI] with its `audit`, as HTML; `date` of the day, such as
     "2026-05-04".
