@@ -1,5 +1,6 @@
 """Tab of a bundle: motor units, what they reach together, and pressures that reach a point."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from typing import ClassVar, NamedTuple
@@ -28,6 +29,7 @@ from .state import SIZES, Session, Unit, View, changed, check_units, scaled_musc
 from .tab import Export, LatestResult, StrainTab
 
 
+_FIELDS = ("muscle", "units", "supply", "scheme", "resistance", "display_units", "distance")
 # room for header, readouts and buttons
 _SCENE_HEIGHT = "var(--scene-height, clamp(240px, min(100vh - 540px, 90vw), 900px))"
 # both figures are on the screen: of the force, and of the free strain below it
@@ -95,11 +97,9 @@ class UnitRows:
         # without limits: at those the browser would refuse without a word
         count = ui.widget(pn.widgets.IntInput, label, set_count, value=1)
         radius = ui.Field("Radius", "radius", "length", partial(self._set_radius, i))
-        set_pressure = partial(self.set_pressure, i)
-        label = f"Pressure P{i + 1}"
-        return UnitInputs(
-            count, radius, ui.QuantitySlider(label, "pressure", "pressure", set_pressure)
-        )
+        label, set_pressure = f"Pressure P{i + 1}", partial(self.set_pressure, i)
+        pressure = ui.QuantitySlider(label, "pressure", "pressure", set_pressure)
+        return UnitInputs(count, radius, pressure)
 
     def _set_count(self, i: int, count: int | None) -> None:
         with self.message.errors():
@@ -108,17 +108,12 @@ class UnitRows:
             self._set_unit(i, replace(self._session.view.units[i], count=count))
 
     def _set_radius(self, i: int, radius: float) -> None:
-        """Set the radius [m] of the muscles of unit `i`; `ValueError` beyond `SIZES`."""
         view = self._session.view
-        unit = view.units[i]
-        base = view.muscle if unit.own is None else unit.own
-        size = radius / float(base.outer_radius)
+        unit, shown = view.units[i], view.display_units["length"]
+        base = float((view.muscle if unit.own is None else unit.own).outer_radius)
+        size, limits = radius / base, (ratio * base for ratio in SIZES)
         if not SIZES[0] <= size <= SIZES[1]:
-            limits = (ratio * float(base.outer_radius) for ratio in SIZES)
-            unit_name = view.display_units["length"]
-            low, high, text = (
-                ui.format_quantity(x, unit_name, "length") for x in (*limits, radius)
-            )
+            low, high, text = (ui.format_quantity(x, shown, "length") for x in (*limits, radius))
             rule = f"must be {low} to {high}, a tenth to ten times the muscle's"
             raise InvalidInputError("radius", rule, radius, shown=text)
         own = None if unit.own is None else scaled_muscle(unit.own, size)
@@ -152,8 +147,7 @@ class FreeStrainChart:
     def __init__(self, tab: "BundleView", colors: Colors):
         self._tab = tab
         chart = self.chart = Chart(colors, "Pressure P2", "Free strain [–]", _FREE_STRAIN_HEIGHT)
-        names = ("resisted", "free", "jump")
-        self._lines = {name: chart.add(f"free_strain_{name}") for name in names}
+        self._lines = [chart.add(f"free_strain_{name}") for name in ("resisted", "free", "jump")]
         self._turn = chart.add("turn")
         chart.add_labels(self._turn, x_offset=8, y_offset=-18, text_font_size="12px")
         self._point = chart.add("point", "free_strain_point")
@@ -188,15 +182,12 @@ class FreeStrainChart:
 
     def _show(self, curve: FreeStrainCurve) -> None:
         unit, scale = self._tab.unit("pressure")
-        (ink, soft), turn = (self._tab.colors.ink, self._tab.colors.soft), curve.turn
+        ink, soft, turn = self._tab.colors.ink, self._tab.colors.soft, curve.turn
         drawn, jump = split_at_reversal(curve.pressure, curve.resisted, turn)
-        free = curve.pressure, curve.free
         entries = [("with resistance", ink, "solid"), ("without", soft, "dashed")]
-        entries += [("jump", ink, "dotted")] * bool(turn.jump)
-        self._legend.object = ui.html_legend(entries)
-        for source, (pressure, strain), color in zip(
-            self._lines.values(), (drawn, free, jump), (ink, soft, ink), strict=True
-        ):
+        self._legend.object = ui.html_legend(entries + [("jump", ink, "dotted")] * bool(turn.jump))
+        lines = (*drawn, ink), (curve.pressure, curve.free, soft), (*jump, ink)
+        for source, (pressure, strain, color) in zip(self._lines, lines, strict=True):
             source.data = {"xs": [pressure / scale], "ys": [strain], "color": [color]}
         pressure, text = turn.pressure / scale, "It never falls."
         self._turn.data = {"x": [], "y": [], "label": []}
@@ -255,7 +246,6 @@ class EfficiencyMaps:
             picture.param.update(object=raw, alt_text=f"{text}, over contraction and force")
 
     def _fail(self, error: ValueError | str) -> None:
-        """Show the error of a computation in place of the pictures."""
         self._maps.drop()
         self._content.loading, self._numbers.object = False, ""
         for picture in self.pictures:
@@ -276,20 +266,17 @@ class BundleView(StrainTab):
     """Widgets and figures of a bundle."""
 
     name: ClassVar[str] = "bundle"
-    fields: ClassVar[tuple[str, ...]] = (
-        *("muscle", "units", "supply", "scheme", "resistance", "display_units", "distance"),
-    )
+    fields: ClassVar[tuple[str, ...]] = _FIELDS
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
         self._middle_force, self._highest = 0.0, 0.0  # of the workspace
         self.units = UnitRows(session)
-        self._scheme = ui.dropdown(
-            "Recruitment", list(SCHEMES), lambda scheme: session.change(scheme=scheme)
-        )
-        label = "Muscles push back past their free strain"
+        change = session.change
+        self._scheme = ui.dropdown("Recruitment", SCHEMES, lambda name: change(scheme=name))
+        label, margin = "Muscles push back past their free strain", (6, 8)
         self._resistance = ui.widget(
-            pn.widgets.Checkbox, label, lambda on: session.change(resistance=on), margin=(6, 8)
+            pn.widgets.Checkbox, label, lambda on: change(resistance=on), margin=margin
         )
         self._supply = ui.Field("Supply pressure", "supply", "pressure", self._set_supply)
         self._add_chart()
@@ -352,17 +339,14 @@ class BundleView(StrainTab):
         return Export(self.stem("space"), variables, figure)
 
     def _set_supply(self, value: float) -> None:
-        """Set the supply pressure [Pa] and lower others to it; `ValueError` if out of range."""
+        """Set the supply pressure [Pa], and lower others to it."""
         check_interval(value, 0.0, HIGHEST_PRESSURE, "supply", "Pa", "(gauge)", (False, True))
         view = self.session.view
         pressures = tuple(min(P, value) for P in view.pressures)
         pressure = min(view.pressure, value)
         self.session.change(supply=value, pressures=pressures, pressure=pressure)
 
-    # the figure
-
     def _add_chart(self) -> None:
-        """Add the chart of force over strain: workspace, units, bundle, equilibria, point."""
         chart = self.chart = Chart(self.colors, "Contraction ε [–]", "Force F [N]", _FORCE_HEIGHT)
         chart.add_zero_line()
         self._regions = chart.add("states", "regions")
@@ -378,14 +362,11 @@ class BundleView(StrainTab):
         view, space, overlap = self.session.view, result.workspace, result.overlap
         unit, scale = self.unit("force")
         self.top = max(0.1, float(np.ceil(result.top * 50) / 50))
-        states = range(1, len(space.force) + 1)
-        colors = cycle_colors(self.colors, len(states))
-        xs, ys = zip(*map(space.outline, states), strict=True)
-        labels = [f"recruitment state {state}" for state in states]
-        ys = [force / scale for force in ys]
-        self._regions.data = {"xs": list(xs), "ys": ys, "color": colors, "label": labels}
         forces = np.where(space.force >= 0, space.force / scale, np.nan)
-        count, levels = forces.shape[:2]
+        (count, levels, _), outlines = forces.shape, map(space.outline, range(1, len(forces) + 1))
+        colors = cycle_colors(self.colors, count)
+        labels = [f"recruitment state {i + 1}" for i in range(count)]
+        self._regions.data = _outline_columns(outlines, scale) | {"color": colors, "label": labels}
         self._levels.data = {
             "xs": [space.strain] * (count * levels),
             "ys": list(forces.reshape(count * levels, -1)),
@@ -393,9 +374,8 @@ class BundleView(StrainTab):
             # thicker with rising pressure
             "width": np.tile(0.5 + 1.2 * np.arange(levels) / levels, count).tolist(),
         }
-        outlines = [overlap.outline(i) for i in range(len(overlap.states))]
-        outlines = [(strain, force / scale) for strain, force in outlines if strain.size]
-        self._overlap.data = {"xs": [x for x, _ in outlines], "ys": [y for _, y in outlines]}
+        outlines = (overlap.outline(i) for i in range(len(overlap.states)))
+        self._overlap.data = _outline_columns(outlines, scale)
         self._highest = float(space.high.max())
         high = self._highest / scale
         middle = float(np.interp(0.5 * self.top, space.strain, space.high[-1]))
@@ -409,12 +389,10 @@ class BundleView(StrainTab):
         self._request_recruitments(view)
 
     def _request_state(self, view: View) -> None:
-        """Request force curves, equilibria and drawing at the pressures of a `view`."""
         top = self.top
         self._state.request(lambda: (view, bundle_curves.bundle_state(view, top)))
 
     def _show_state(self, result: tuple[View, BundleState]) -> None:
-        """Show force curves, equilibria, drawing, and numbers at the view's point."""
         view, state = result
         unit, scale = self.unit("force")
         self.status.object = ""
@@ -449,8 +427,6 @@ class BundleView(StrainTab):
         }
         title = ui.heading("Pressures for a load")
         self._numbers.object = ui.heading("At this point") + ui.readout_table(rows) + title
-
-    # pressures for a load
 
     def _set_demand(self, x: float, y: float) -> None:
         """Set the contraction `x` [-] and the load `y` [shown unit], with a pointer's digits."""
@@ -492,7 +468,6 @@ class BundleView(StrainTab):
         self._solutions.visible = not any(field.message.pane.visible for field in fields)
 
     def _show_recruitments(self, result: tuple[list[Recruitment], str]) -> None:
-        """Show a table of all pressures that carry the load, and a button to set each of them."""
         recruitments, remark = result
         (unit, _), (volume, _) = self.unit("pressure"), ui.volume_unit(self.unit("length")[0])
         heads = ("state", f"pressures [{unit}]", "load", f"fluid [{volume}]", "η [–]")
@@ -503,20 +478,15 @@ class BundleView(StrainTab):
         path = "constant pressure" if self.session.view.path == "isobaric" else "constant load"
         note = f"Fluid is counted from rest length on, efficiency η at {path}. {remark}"
         table = ui.html_table(heads, rows) + ui.status_line(ui.text_html(note))
-        buttons = [
-            self._set_button(recruitment)
-            for recruitment in recruitments
-            if recruitment.reached or recruitment is recruitments[0]
-        ]
+        settable = [row for row in recruitments if row.reached or row is recruitments[0]]
+        buttons = map(self._set_button, settable)
         scroll = ui.pane(f'<div class="scroll">{table}</div>')
         self._solutions.objects = [scroll, ui.row(*buttons, kind="wrapped")]
 
     def _set_button(self, recruitment: Recruitment) -> pn.widgets.Button:
-        """Button that sets a recruitment's pressures."""
         suffix = ", unstable" * (not recruitment.stable)
-        label = f"Set state {recruitment.state}" + (
-            suffix if recruitment.reached else ", the nearest"
-        )
+        suffix = suffix if recruitment.reached else ", the nearest"
+        label = f"Set state {recruitment.state}{suffix}"
         pressures = tuple(float(f"{P:.6g}") for P in recruitment.pressures)
         return ui.button(label, lambda: self.session.change(pressures=pressures))
 
@@ -524,13 +494,19 @@ class BundleView(StrainTab):
         """Cells of a row of the table: state, pressures, status, fluid and efficiency."""
         (_, scale), (unit, force_scale) = self.unit("pressure"), self.unit("force")
         _, volume_scale = ui.volume_unit(self.unit("length")[0])
-        force, load = recruitment.force, self.session.view.load or 0.0
         status = "reached" if recruitment.stable else "reached, unstable"
         if not recruitment.reached:
-            limit = "at most" if force < load else "at least"
-            status = f"{limit} {force / force_scale:.4g} {unit}"
-        fluid, eta = recruitment.fluid / volume_scale, recruitment.efficiency
+            limit = "at most" if recruitment.force < (self.session.view.load or 0.0) else "at least"
+            status = f"{limit} {recruitment.force / force_scale:.4g} {unit}"
         pressures = ", ".join(f"{P / scale:.4g}" for P in recruitment.pressures)
-        fluid_text = "–" if np.isnan(fluid) else f"{fluid:.4g}"
-        eta_text = "–" if np.isnan(eta) else f"{eta:.3f}"
-        return [f"{recruitment.state}", pressures, status, fluid_text, eta_text]
+        fluid, eta = f"{recruitment.fluid / volume_scale:.4g}", f"{recruitment.efficiency:.3f}"
+        cells = [f"{recruitment.state}", pressures, status, fluid, eta]
+        return ["–" if cell == "nan" else cell for cell in cells]
+
+
+def _outline_columns(
+    outlines: Iterable[tuple[np.ndarray, np.ndarray]], scale: float
+) -> dict[str, list]:
+    """Columns of the `outlines` that have points; forces over a `scale`."""
+    pairs = [(strain, force / scale) for strain, force in outlines if strain.size]
+    return {"xs": [strain for strain, _ in pairs], "ys": [force for _, force in pairs]}

@@ -62,17 +62,13 @@ def cycle_colors(colors: Colors, count: int, first: int = 0) -> list[str]:
 
 def replace_colors(figures: Iterable[Any], before: Colors, after: Colors) -> None:
     """Replace the colors of a page `before` by those of a page `after` in `figures` of Bokeh."""
-    new = dict(zip(_figure_colors(before), _figure_colors(after), strict=True))
+    old, new = ((c.ink, c.soft, c.line, c.paper, *c.curves) for c in (before, after))
+    colors = dict(zip(old, new, strict=True))
     # each once, though figures share some: a new color may be an old one, too
     for model in set().union(*(fig.references() for fig in figures)):
         for name in model.properties():
             if name.endswith("_color") and isinstance(color := getattr(model, name), str):
-                setattr(model, name, new.get(color, color))
-
-
-def _figure_colors(colors: Colors) -> tuple[str, ...]:
-    """Colors of a page that figures have, each once."""
-    return (colors.ink, colors.soft, colors.line, colors.paper, *colors.curves)
+                setattr(model, name, colors.get(color, color))
 
 
 def screen_height(margin: int) -> str:
@@ -131,18 +127,15 @@ class Chart:
 
     def new_pane(self) -> pn.pane.Bokeh:
         """A new pane of the figure."""
-        return pn.pane.Bokeh(
-            self.figure, margin=0, css_classes=["figure"], stylesheets=[LAYOUT_CSS]
-        )
+        style = {"css_classes": ["figure"], "stylesheets": [LAYOUT_CSS]}
+        return pn.pane.Bokeh(self.figure, margin=0, **style)
 
     def new_source(self, columns: str, name: str | None = None) -> Any:
         """An empty source with `columns`, such as "x y"; tests find it by its `name`."""
         return ColumnDataSource(data={column: [] for column in columns.split()}, name=name)
 
     def add(self, style_name: str, name: str = "", source: Any = None, **style: Any) -> Any:
-        """Draw an empty source, or another one, in a style; returns the source, of the same name
-        unless it is given.
-        """
+        """Draw a `source`, by default a new one of the same `name`, in a style; returns it."""
         options = self._style(style_name) | style
         kind, columns = options.pop("kind"), options.pop("columns")
         source = source or self.new_source(columns, name or style_name)

@@ -79,9 +79,7 @@ def difference_text(value: float, reference: float, form: str) -> str:
 
 
 def add_pin(pins: tuple[Pin, ...], name: str, muscle: Muscle, pressure: float) -> tuple[Pin, ...]:
-    """The `pins`, and a new one with a `name` that no other has; `InvalidInputError` if there are
-    too many.
-    """
+    """The `pins`, and a new one with a `name` that no other has; an error if they are too many."""
     if len(pins) >= MOST_PINS:
         rule = f"must be {MOST_PINS} curves at most, as many as can be told apart"
         raise InvalidInputError("pins", rule, len(pins) + 1, "remove one")
@@ -114,8 +112,8 @@ def name_difference(first: Muscle, second: Muscle) -> str:
 
 
 def pin_muscle(session: Session, name: str, muscle: Muscle, pressure: float) -> str:
-    """Pin a `muscle` at a `pressure` [Pa], and return its name: what differs from the first pin,
-    or the muscle's `name` and its pressure; `InvalidInputError` if it can't be pinned.
+    """Pin a `muscle` at a `pressure` [Pa]; returns its name: what differs from the first pin, or
+    the muscle's `name` and its pressure.
     """
     view = session.view
     label = name_difference(view.pins[0].muscle, muscle) if view.pins else ""
@@ -154,11 +152,9 @@ class PinForm:
         self._law = ui.dropdown("Laws", [_OWN_LAWS])
         self._pressure = ui.Field("Pressure P", "pressure", "pressure", self._set_pressure)
         self._message = ui.Message()
-        pin, fields = (
-            ui.button("Pin this curve", self._pin, color="primary"),
-            self._pressure.widgets,
-        )
-        self.widgets = (self._muscle, self._law, *fields, pin, self._message.pane)
+        pin = ui.button("Pin this curve", self._pin, color="primary")
+        fields = self._muscle, self._law, *self._pressure.widgets
+        self.widgets = (*fields, pin, self._message.pane)
 
     def show(self, view: View) -> None:
         """Show the laws and units of a `view`, and its pressure if it is another one."""
@@ -233,7 +229,7 @@ class CompareView(StrainTab):
             return
         unit, scale = self.unit("force")
         self.top = top_strain(view.pins)
-        curves = self._pin_curves(view)
+        curves = [pin_curve(pin.muscle, pin.pressure, self.top) for pin in view.pins]
         forces = [curve.force / scale for curve in curves]
         self._curves.data = {
             "xs": [curve.strain for curve in curves],
@@ -272,14 +268,11 @@ class CompareView(StrainTab):
             for muscle in (view.muscle, view.muscle.replace(braid_angle=angle)):
                 pin_muscle(self.session, view.name, muscle, view.pressure)
 
-    def _pin_curves(self, view: View) -> list[PinCurve]:
-        return [pin_curve(pin.muscle, pin.pressure, self.top) for pin in view.pins]
-
     def _show_strain(self, view: View) -> None:
         """Show forces at the view's contraction, and the table."""
-        strain = min(view.strain, self.top)
+        (unit, scale), strain = self.unit("force"), min(view.strain, self.top)
         self.show_strain(view)
-        (unit, scale), curves = self.unit("force"), self._pin_curves(view)
+        curves = [pin_curve(pin.muscle, pin.pressure, self.top) for pin in view.pins]
         forces = [float(pin.muscle.force(pin.pressure, strain)) / scale for pin in view.pins]
         colors = self._colors[: len(forces)]
         self._points.data = {"x": [strain] * len(forces), "y": forces, "color": colors}

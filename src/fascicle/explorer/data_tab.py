@@ -2,7 +2,8 @@
 
 import datetime as dt
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from functools import partial
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -12,7 +13,6 @@ from ..calibrate import Selection
 from ..calibrate.parameters import parameters_of
 from ..core.validation import HIGHEST_PRESSURE
 from ..files.calibration_files import calibrated_files
-from ..muscle import Muscle
 from ..plot.theme import APART, Colors
 from ..records.record import Record
 from ..report import calibration_words as words
@@ -41,19 +41,19 @@ _UNDETERMINED = (
     "Here a prior is a value that you enter: measure the size, enter it in the tab Muscle, and fit"
     f" {_BY_NAME} without it. fascicle calibrate takes its deviation, too."
 )
-_TITLE = "Your own muscle, as it was measured"
 _TEXT = (
-    "Open a dynamometer's CSV, .xlsx or .mat: pressure, force, and strain, length or displacement,"
-    " with units in its header. Its readings appear here beside this muscle's curves; then the"
-    " muscle is tuned to them, with an interval for each constant. At most"
-    f" {measured.MOST_ROWS} rows; they stay in this session's memory. No record at hand? There is a"
-    " synthetic one of this muscle, a little thicker and steeper than drawn."
+    "<h2>Your own muscle, as it was measured</h2><p>Open a dynamometer's CSV, .xlsx or .mat:"
+    " pressure, force, and strain, length or displacement, with units in its header. Its readings"
+    " appear here beside this muscle's curves; then the muscle is tuned to them, with an interval"
+    f" for each constant. At most {measured.MOST_ROWS} rows; they stay in this session's memory. No"
+    " record at hand? There is a synthetic one of this muscle, a little thicker and steeper than"
+    " drawn.</p>"
 )
 # a form to fill in: nobody's readings
-_FORM = """pressure [kPa],strain [-],force [N]
+_FORM = """<p class="small">Such a file begins with</p><pre>pressure [kPa],strain [-],force [N]
 100,0.00,…
 100,0.02,…
-200,0.00,…"""
+200,0.00,…</pre>"""
 
 
 class RecordInputs:
@@ -126,8 +126,7 @@ class DataView(Tab):
     def _add_widgets(self) -> None:
         label = "Open a record (CSV, .xlsx, .mat)"
         self.file = ui.file_input(label, RECORD_SUFFIXES, self.open_record)
-        label = "Try an example record (synthetic)"
-        wide = {"sizing_mode": "stretch_width"}
+        label, wide = "Try an example record (synthetic)", {"sizing_mode": "stretch_width"}
         self._example = ui.button(label, self.open_example, color="primary", **wide)
         self._other_example = ui.button(label, self.open_example, visible=False, **wide)
         self.read_inputs = RecordInputs(self._read)
@@ -145,20 +144,14 @@ class DataView(Tab):
         wide |= {"margin": (6, 8), "disabled": True}
         self.calibrate = ui.button("Calibrate the muscle", self.start_fit, color="primary", **wide)
         self.cancel = ui.button("Cancel the fit", self.cancel_fit, visible=False)
-        self.fit_notes = ui.pane(sizing_mode="stretch_width")
+        self.fit_notes = ui.wide_pane()
         self.progress = Progress("fitting", self.status)
         self.table = ui.pane(margin=(4, 8))
         self.use = ui.button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
+        tuned, report = partial(self._as_file, "tuned"), partial(self._as_file, "report")
         self.saves = [
-            ui.download_button(
-                "Download tuned muscle",
-                lambda: self._as_file("tuned", "toml"),
-                self.message,
-                width=190,
-            ),
-            ui.download_button(
-                "Download report", lambda: self._as_file("report", "html"), self.message
-            ),
+            ui.download_button("Download tuned muscle", tuned, self.message, width=190),
+            ui.download_button("Download report", report, self.message),
         ]
         self._enable_results(False)
 
@@ -184,21 +177,20 @@ class DataView(Tab):
         if self.fit is not None:
             drawn, label = self.fit.selection.calibration.muscle, "tuned"
         force = drawn.force(np.clip(record.pressure, 0.0, HIGHEST_PRESSURE), record.strain)
-        columns: Mapping[str, tuple[np.ndarray, str]] = {
-            "pressure": (record.pressure, "Pa"),
-            "strain": (record.strain, "-"),
-            "force": (record.force, "N"),
-            "muscle": (np.asarray(force), "N"),
-        }
+        reading = partial(Variable, ("reading",))
         variables = Table(
-            {name: Variable(("reading",), *values) for name, values in columns.items()}
+            {
+                "pressure": reading(record.pressure, "Pa"),
+                "strain": reading(record.strain, "-"),
+                "force": reading(record.force, "N"),
+                "muscle": reading(np.asarray(force), "N"),
+            }
         )
         inputs = [self.file_name, *self.session.input_names]
         stem = output_stem(self.file_name, "comparison", inputs)
         return Export(stem, variables, lambda: draw_fit(measured_with_curves(record, drawn, label)))
 
     def _add_chart(self) -> None:
-        """Add the chart of force over strain."""
         height = screen_height(_MARGIN)
         chart = self.chart = Chart(self.colors, "Contraction ε [–]", "Force F [N]", height)
         self.readings = chart.add("readings")
@@ -207,8 +199,6 @@ class DataView(Tab):
         chart.add_labels(self._labels)
         chart.add_zero_line()
         _, self._tuned = chart.style_legend()
-
-    # the record
 
     def open_example(self) -> None:
         """Open the synthetic record of the session's muscle."""
@@ -238,12 +228,11 @@ class DataView(Tab):
         self.constants.options = {name.replace("_", " "): name for name in names}
         self.message.show(measured.mismatch_reason(view.muscle, record))
         self._set_record(record)
-        kind = " synthetic" if name == _EXAMPLE else ""
-        plural = "s" * (len(record) != 1)
-        notes = "".join(f"<li>{ui.text_html(note)}</li>" for note in record.notes[:_MOST_NOTES])
-        self.notes.object = (
-            f'<div class="note">{len(record)}{kind} reading{plural}.<ul>{notes}</ul></div>'
+        count = (
+            f"{len(record)}{' synthetic' * (name == _EXAMPLE)} reading{'s' * (len(record) != 1)}"
         )
+        notes = "".join(f"<li>{ui.text_html(note)}</li>" for note in record.notes[:_MOST_NOTES])
+        self.notes.object = f'<div class="note">{count}.<ul>{notes}</ul></div>'
         with pn.io.unlocked():
             self.draw(view)
 
@@ -257,30 +246,25 @@ class DataView(Tab):
         self._enable_results(False)
 
     def _enable_results(self, enabled: bool) -> None:
-        """Enable the buttons of a fit's results."""
         for result in (self.use, *self.saves):
             result.disabled = not enabled
 
     def _show_curves(self, pair: tuple[measured.ModelCurves, measured.ModelCurves | None]) -> None:
-        """Show a muscle's curves before and after tuning, beside the readings."""
         before, after = pair
         _, scale = self.unit("force")
         number = len(before.pressure)
         colors = pressure_colors(self.colors, number)
-        strain, force, nearest = self._drawn_readings(before.pressure)
-        self.readings.data = {
-            "x": strain,
-            "y": force / scale,
-            "color": [colors[i] for i in nearest],
-        }
+        record = self.record
+        assert record is not None  # else nothing is drawn
+        drawn = np.unique(np.linspace(0, len(record) - 1, measured.MOST_POINTS).astype(int))
+        strain, force = record.strain[drawn], record.force[drawn]
+        nearest = np.abs(record.pressure[drawn, None] - before.pressure).argmin(axis=1)
+        fills = [colors[i] for i in nearest]
+        self.readings.data = {"x": strain, "y": force / scale, "color": fills}
         self._tuned.visible = after is not None
         for source, curves in ((self._before, before), (self._after, after)):
-            rows = [] if curves is None else list(curves.force / scale)
-            source.data = {
-                "xs": [before.strain] * len(rows),
-                "ys": rows,
-                "color": colors[: len(rows)],
-            }
+            ys = [] if curves is None else list(curves.force / scale)
+            source.data = {"xs": [before.strain] * len(ys), "ys": ys, "color": colors[: len(ys)]}
         labeled = np.unique(np.linspace(0, number - 1, min(number, _MOST_LABELS)).astype(int))
         # above the readings, too, which lie at rest
         is_near_rest = strain < before.strain[0] + _REST_SHARE * np.ptp(before.strain)
@@ -294,23 +278,13 @@ class DataView(Tab):
         text = f"Curves of {number} of {before.total} pressures are drawn."
         self.status.object = ui.status_line(text if before.total > number else "")
         tuned = ", and of the tuned one" if after is not None else ""
+        low, high = (f"{P / pressure_scale:.3g}" for P in before.pressure[[0, -1]])
         self.chart.describe(
-            f"Force over contraction. {len(strain)} readings; curves of this muscle{tuned} at"
-            f" {before.pressure[0] / pressure_scale:.3g} to"
-            f" {before.pressure[-1] / pressure_scale:.3g} {unit}."
+            f"Force over contraction. {len(strain)} readings; curves of this muscle{tuned} at {low}"
+            f" to {high} {unit}."
         )
         forces = np.r_[force, before.force.ravel()] / scale
         self.chart.set_ranges(padded_range(before.strain, _SIDE), padded_range(forces, _GAP))
-
-    def _drawn_readings(self, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Strain [-], force [N] and index of the nearest `pressure` of each drawn reading."""
-        record = self.record
-        assert record is not None  # else nothing is drawn
-        drawn = np.unique(np.linspace(0, len(record) - 1, measured.MOST_POINTS).astype(int))
-        nearest = np.abs(record.pressure[drawn, None] - pressure).argmin(axis=1)
-        return record.strain[drawn], record.force[drawn], nearest
-
-    # the fit
 
     def start_fit(self) -> None:
         """Fit the muscle to the record."""
@@ -383,28 +357,22 @@ class DataView(Tab):
         self._enable_results(True)
         self.draw(self.session.view)
 
-    def _as_file(self, kind: str, suffix: str) -> tuple[str, bytes]:
+    def _as_file(self, kind: str) -> tuple[str, bytes]:
         """Name and bytes of a file of the fit, its report or its tuned muscle."""
-        fit = self._shown_fit
-        text = fit.report if kind == "report" else fit.toml
+        assert self.fit is not None  # else the button is disabled
+        text, suffix = (self.fit.report, "html") if kind == "report" else (self.fit.toml, "toml")
         stem = output_stem(self.file_name, kind, self.session.input_names)
         return f"{stem}.{suffix}", text.encode()
 
     def _use_tuned_muscle(self) -> None:
-        muscle: Muscle = self._shown_fit.selection.calibration.muscle
+        assert self.fit is not None  # else the button is disabled
+        muscle = self.fit.selection.calibration.muscle
         self.session.open(view_of(muscle, "tuned muscle", self.session.view))
-
-    @property
-    def _shown_fit(self) -> FitResult:
-        assert self.fit is not None  # else the buttons are disabled
-        return self.fit
 
 
 def _empty_state(example: pn.widgets.Button) -> pn.Row:
     """Framed panel in place of the figure; `example` is the button of an example record."""
-    margin, wide = (0, APART, APART, APART), "stretch_width"
-    text = ui.pane(f"<h2>{_TITLE}</h2><p>{_TEXT}</p>", margin, sizing_mode=wide)
-    form = f'<p class="small">Such a file begins with</p><pre>{_FORM}</pre>'
+    text = ui.wide_pane(_TEXT, margin=(0, APART, APART, APART))
     left = ui.column(text, example, styles={"flex": "3 1 0", "min-width": "0"})
-    right = ui.pane(form, 0, sizing_mode=wide, styles={"flex": "2 1 0", "min-width": "0"})
+    right = ui.wide_pane(_FORM, margin=0, styles={"flex": "2 1 0", "min-width": "0"})
     return ui.row(left, right, kind="stacked framed", margin=APART)

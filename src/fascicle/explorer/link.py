@@ -1,9 +1,7 @@
-"""A view as a link, and back.
+"""A view as a link, and back: an example by its name, any other muscle as its deflated file.
 
-An example is given by its name; any other muscle is in the link itself, as its deflated file.
 A link is data from a stranger: it is bounded, parsed as TOML, JSON and by `units`, and nothing in
-it is a path or is run. That is why Panel's own `Location.sync`, which reads JSON into parameters,
-isn't used.
+it is a path or is run. Panel's own `Location.sync` reads JSON into parameters.
 """
 
 import base64
@@ -80,8 +78,8 @@ def has_state(query: Mapping[str, str]) -> bool:
 def from_query(
     query: Mapping[str, str], start: state.View
 ) -> tuple[state.View, state.View, list[str]]:
-    """View of a link by key, the `start` view where it has none; the view that was opened before
-    its changes, for `reset`; and a message for each bad key.
+    """View of a link, as far as it has none the `start` view; the view that was opened before its
+    changes, for `reset`; and a message for each bad key.
     """
     view, errors = start, []
     for key, read in _READERS.items():
@@ -115,17 +113,17 @@ def unpack(packed: str) -> str:
         raise InvalidInputError("file", "was too large for a link", None, "open the file itself")
     if len(packed) > LONGEST:
         raise InvalidInputError("file", f"must be at most {LONGEST} characters", len(packed))
-    inflate, raw = zlib.decompressobj(), b""
+    inflate, rule = zlib.decompressobj(), "is no file that this explorer has packed"
     try:
         raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
         raw = inflate.decompress(raw, _LARGEST_TEXT + 1)
         if len(raw) <= _LARGEST_TEXT and inflate.eof:
             return raw.decode()
+        if len(raw) > _LARGEST_TEXT:
+            rule = f"must hold at most {_LARGEST_TEXT} bytes"
     except (ValueError, zlib.error):  # not ASCII, base64, deflated or UTF-8
-        raw = b""
-    if len(raw) > _LARGEST_TEXT:
-        raise InvalidInputError("file", f"must hold at most {_LARGEST_TEXT} bytes", None)
-    raise InvalidInputError("file", "is no file that this explorer has packed", None)
+        pass
+    raise InvalidInputError("file", rule, None)
 
 
 def _text(value: float, dimension: str) -> str:
@@ -217,19 +215,16 @@ _Reader = Callable[[state.View, str, Mapping[str, str]], state.View]
 
 
 def _quantity(name: str, dimension: str, check: Callable[[float], float]) -> _Reader:
-    """Reader of the field with a `name`, of a `dimension`."""
     return lambda view, text, _: replace(view, **{name: check(parse(text, dimension))})
 
 
 def _choice(name: str, options: Sequence[str]) -> _Reader:
-    """Reader of the field with a `name`, one of the `options`."""
     return lambda view, text, _: replace(view, **{name: check_choice(text, options, name)})
 
 
 def _read_pressures(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
-    values = text.split(",")[: state.MOST_UNITS]
-    pressures = tuple(_gauge_pressure(parse(value, "pressure")) for value in values)
-    return replace(view, pressures=pressures)
+    values = (parse(value, "pressure") for value in text.split(",")[: state.MOST_UNITS])
+    return replace(view, pressures=tuple(map(_gauge_pressure, values)))
 
 
 # in this order: the muscle's file has the number of units, and the scenario's its policies

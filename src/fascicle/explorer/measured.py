@@ -30,10 +30,8 @@ _PLAUSIBLE = 1.4  # of the free strain: no muscle's own record pulls beyond it
 
 
 class ModelCurves(NamedTuple):
-    """The model's curves of a muscle at the pressures of a record.
-
-    `pressure` [Pa], `strain` [-], `force` [N] by row; `total` of pressures in the record, of
-    which not more than `MOST_CURVES` have a curve.
+    """A muscle's curves at pressures of a record: `pressure` [Pa], `strain` [-], `force` [N] by
+    row; `total` of pressures in the record, of which `MOST_CURVES` at most have a curve.
     """
 
     pressure: np.ndarray
@@ -78,10 +76,7 @@ def _in_page_words(argument: str, role: str, value: str) -> str:
 
 
 def example_record(muscle: Muscle) -> bytes:
-    """Synthetic record of a virtual dynamometer, as a file.
-
-    Its muscle is a little thicker and steeper than the `muscle`, as one that was built is.
-    """
+    """Synthetic record, as a file, of a muscle a little thicker and steeper than the `muscle`."""
     from ..records import VirtualDynamometer, dumps
 
     machine = VirtualDynamometer(list(_PRESSURES), samples=60, both_ways=False)
@@ -92,9 +87,7 @@ def example_record(muscle: Muscle) -> bytes:
 
 
 def mismatch_reason(muscle: Muscle, record: Record) -> str:
-    """Reason why a `record` doesn't suit this `muscle`: it stretches it, has no pressure, or pulls
-    far past its free strain; else empty.
-    """
+    """Reason why a `record` doesn't suit this `muscle`; else empty."""
     if stretched := extension_message(record.strain, lowest_strain(muscle.law)):
         return stretched
     highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))

@@ -41,23 +41,10 @@ _LOST = (
     " and reload the page; its address holds the view."
 )
 _VIEWS: Mapping[str, type[Tab]] = {
-    "muscle": MuscleView,
-    "bundle": BundleView,
-    "compare": CompareView,
-    "data": DataView,
-    "time": TimeView,
+    view.name: view for view in (MuscleView, BundleView, CompareView, DataView, TimeView)
 }
-_FILES = {
-    "svg": "Picture (SVG)",
-    "png": "Picture (PNG)",
-    "pdf": "Picture (PDF)",
-    "csv": "Data (CSV)",
-}
-
-
-def _example_label(description: str) -> str:
-    """Label of a shipped muscle with a `description`, short enough for the list."""
-    return description.partition(", from ")[0].replace("`", "")[:60]
+_FILES = {"svg": "Picture", "png": "Picture", "pdf": "Picture", "csv": "Data"}
+_GROUPS = {"Examples": "examples", "Measured muscles": "measured"}  # of shipped muscles
 
 
 class Header:
@@ -70,8 +57,11 @@ class Header:
         self.message = ui.Message()
         self._theme, self._theme_in_link = theme, theme_in_link or theme == "dark"
         groups = {
-            title: {_example_label(text): name for name, text in descriptions(kind).items()}
-            for title, kind in (("Examples", "examples"), ("Measured muscles", "measured"))
+            title: {
+                text.partition(", from ")[0].replace("`", "")[:60]: name
+                for name, text in descriptions(kind).items()
+            }
+            for title, kind in _GROUPS.items()
         }
         groups["Your own"] = {_CUSTOM: _CUSTOM}
         self._example = ui.widget(
@@ -83,7 +73,16 @@ class Header:
         self.undo = ui.button("Undo", session.undo, css_classes=["undo"], width=62, **style)
         self.redo = ui.button("Redo", session.redo, css_classes=["redo"], width=62, **style)
         self.reset = ui.button("Reset", session.reset, width=62, **style)
-        share, self._share = self._fold("Share", self._share_buttons())
+        save = partial(ui.download_button, message=self.message)
+        copy = ui.button("Copy link", None, margin=(2, 4), width=150)
+        copy.js_on_click(code="fascicleCopy()")
+        files = (
+            save(f"{kind} ({suffix.upper()})", partial(self._tab_file, suffix))
+            for suffix, kind in _FILES.items()
+        )
+        page_file = save("Web page (HTML)", self._web_page)
+        view_file = save("Muscle or bundle (TOML)", self._file, width=190)
+        share, self._share = self._fold("Share", [view_file, page_file, copy, *files])
         self._units = {
             kind: ui.dropdown(kind.capitalize(), units, partial(self._set_unit, kind), width=86)
             for kind, units in DISPLAY_UNITS.items()
@@ -91,7 +90,7 @@ class Header:
         self.theme_switch = ui.button("", self._switch_theme, width=120, **style)
         options, self._options = self._fold("Units", [*self._units.values(), self.theme_switch])
         self._name_theme_switch()
-        self._title = ui.pane(margin=(8, 16, 4, 16), sizing_mode="stretch_width")
+        self._title = ui.wide_pane(margin=(8, 16, 4, 16))
         history = (self.undo, self.redo, self.reset)
         inputs = ui.row(self._example, self.file, *history, share, options, kind="header")
         self.panel = ui.column(self._title, inputs, self._share, self._options, self.message.pane)
@@ -105,20 +104,6 @@ class Header:
         toggle = ui.widget(pn.widgets.Toggle, f"{label} ▾", margin=(22, 4, 4, 4), width=86)
         toggle.link(content, value="visible")
         return toggle, content
-
-    def _share_buttons(self) -> list[pn.widgets.Widget]:
-        """Buttons that save the view: its file, a page, its link, pictures and data."""
-        copy = ui.button("Copy link", None, margin=(2, 4), width=150)
-        copy.js_on_click(code="fascicleCopy()")
-        return [
-            ui.download_button("Muscle or bundle (TOML)", self._file, self.message, width=190),
-            ui.download_button("Web page (HTML)", self._web_page, self.message),
-            copy,
-            *(
-                ui.download_button(label, partial(self._tab_file, suffix), self.message)
-                for suffix, label in _FILES.items()
-            ),
-        ]
 
     def _follow(self, before: View, after: View) -> None:
         # a message on a link or a file is past, once something else is shown
@@ -160,8 +145,6 @@ class Header:
     def _set_unit(self, kind: str, unit: str) -> None:
         self._session.change(display_units={**self._session.view.display_units, kind: unit})
 
-    # files
-
     def _stem(self, kind: str) -> str:
         name = self._session.view.name.removesuffix(CHANGED)
         return output_stem(name, kind, self._session.input_names)
@@ -181,8 +164,6 @@ class Header:
     def _tab_file(self, suffix: str) -> tuple[str, bytes]:
         export = self._page.open_view.export()
         return f"{export.stem}.{suffix}", export.content(suffix)
-
-    # theme and address
 
     def _switch_theme(self) -> None:
         self._theme = "default" if self._theme == "dark" else "dark"
@@ -223,10 +204,7 @@ class Page:
         theme_in_link: bool = False,
         offer: bool = False,
     ):
-        """Page of a `session`; `errors` are of its link.
-
-        With an `offer`, browsers that have not dismissed it offer the story.
-        """
+        """Page of a `session`; `errors` of its link; with an `offer` of the story."""
         self.session, self._colors = session, ui.page_colors(theme)
         self.header = Header(self, theme, theme_in_link)
         self.header.message.show(" ".join(errors))
@@ -289,9 +267,8 @@ class Page:
 
 
 def prepare_document(doc: Any, active: str, follow_preference: bool) -> None:
-    """Set a Bokeh document's frame, with the `active` tab, its script, and a notice if it is lost.
-
-    With `follow_preference` the page is dark where the system's preference is.
+    """Set a Bokeh document's frame, with the `active` tab, its script, and a notice if it is lost;
+    with `follow_preference` it is dark where the system's preference is.
     """
     doc.template = _FRAME
     doc.template_variables.update(
@@ -312,12 +289,8 @@ def prepare_document(doc: Any, active: str, follow_preference: bool) -> None:
 def panel(target: str | Muscle | Bundle = "kim2021_figure_6", theme: str = "default") -> pn.Column:
     """The explorer as a Panel object, for a notebook's cell.
 
-    **Arguments:**
-
-    - `target`: a named example, a path, a `Muscle` or a `Bundle`.
-    - `theme`: "default" or "dark".
-
-    **Raises:** `ValueError` or `OSError` where there is no such muscle.
+    `target`: a named example, a path, a `Muscle` or a `Bundle`; `theme`: "default" or "dark".
+    `ValueError` or `OSError` where there is no such muscle.
     """
     from ..files.muscle_files import load_muscle
 

@@ -1,10 +1,8 @@
 """A scenario of the page: its file, the values that a visitor changes, and the policies to compare.
 
-The file's text is edited, not written anew: comments and all other keys stay. Nothing here imports
-the simulator.
+The file's text is edited: comments and other keys stay. Nothing here imports the simulator.
 """
 
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -49,10 +47,7 @@ _BY_UNIT = ("fluid", "run", *_VALVES)  # sections whose lists have an entry for 
 
 
 class ScenarioValue(NamedTuple):
-    """A quantity in a scenario's file that the page can change.
-
-    Its `path`, such as "valve.C.0", `label`, `dimension` and `value` [SI].
-    """
+    """A `value` [SI] in a scenario's file that the page can change; `path`: such as "valve.C.0"."""
 
     path: str
     label: str
@@ -93,11 +88,8 @@ class Setup:
     @property
     def fields(self) -> list[ScenarioValue]:
         """The scenario's quantities that can be changed, each with this setup's value."""
-        values = dict(self.values)
-        return [
-            field._replace(value=values.get(field.path, field.value))
-            for field in _fields(self.source, self.name)
-        ]
+        values, fields = dict(self.values), _fields(self.source, self.name)
+        return [field._replace(value=values.get(field.path, field.value)) for field in fields]
 
     def with_value(self, path: str, value: float) -> "Setup":
         """A copy whose quantity at a `path` has a `value` [SI]; `ValueError` on an unknown path."""
@@ -164,26 +156,19 @@ def open_setup(text: str, name: str) -> Setup:
 
 
 def _file_message(name: str, key: str) -> str:
-    """Message on a `key` of the file with a `name` that needs another file."""
     return (
         f"{name}: {key} names another file, which the page can't read: name a shipped bundle, write"
         " its values into this file, or use `fascicle simulate`."
     )
 
 
-@lru_cache(maxsize=64)  # the fields are asked for at each change
-def _scenario_tables(text: str, name: str) -> Mapping[str, Any]:
-    """Tables of a scenario file's `text` in TOML; `ValueError` with its `name` if it has faults."""
-    return parse_file(text, name)
+_scenario_tables = lru_cache(maxsize=64)(parse_file)  # they are asked for at each change
 
 
-@lru_cache(maxsize=64)  # as `_scenario_tables`
-def _fields(text: str, name: str) -> tuple[ScenarioValue, ...]:
+@lru_cache(maxsize=64)
+def _fields(text: str, name: str) -> list[ScenarioValue]:
     """Quantities of a file that can be changed, with its own values."""
-    return tuple(_read_fields(_scenario_tables(text, name)))
-
-
-def _read_fields(data: Mapping[str, Any]) -> Iterator[ScenarioValue]:
+    data, fields = _scenario_tables(text, name), []
     rows: list[tuple[str, str, str, object]] = []
     load, supply = data.get("load"), data.get("supply")
     if isinstance(load, dict) and load.get("kind") in _LOADS:
@@ -191,23 +176,22 @@ def _read_fields(data: Mapping[str, Any]) -> Iterator[ScenarioValue]:
         rows.append((f"load.{key}", label, dimension, load.get(key)))
     if isinstance(supply, dict):
         rows.append(("supply.pressure", "Supply pressure", "pressure", supply.get("pressure")))
-    for section, name in _VALVES.items():
+    for section, title in _VALVES.items():
         valve = data.get(section)
         for key, (label, dimension) in _SIZES.items():
             value = valve.get(key) if isinstance(valve, dict) else None
-            path, text = f"{section}.{key}", f"{name} {label}"
-            if isinstance(value, list):
-                rows += [
-                    (f"{path}.{i}", f"{text}, unit {i + 1}", dimension, x)
-                    for i, x in enumerate(value)
-                ]
-            else:
+            path, text = f"{section}.{key}", f"{title} {label}"
+            if not isinstance(value, list):
                 rows.append((path, text, dimension, value))
+                continue
+            for i, x in enumerate(value):
+                rows.append((f"{path}.{i}", f"{text}, unit {i + 1}", dimension, x))
     for path, label, dimension, value in rows:
         try:
-            yield ScenarioValue(path, label, dimension, parse(value, dimension))
+            fields.append(ScenarioValue(path, label, dimension, parse(value, dimension)))
         except (ValueError, TypeError):  # missing, or an error that the run reports
             continue
+    return fields
 
 
 def check_policies(setup: Setup, policies: list[str]) -> tuple[str, ...]:

@@ -1,10 +1,8 @@
 """Server of the explorer, for this machine alone unless another address is given.
 
-Panel serves the pages and keeps their sessions. Beyond it: limits on the size of messages, logs in
-which a visitor's text can't look like other lines, and a check of each request. Bokeh checks the
-`Origin` of a websocket and nothing else; but pages of strangers can make a browser ask for anything
-here, and can't forge `Host`, which stays the stranger's name if that is made to point at this
-machine (DNS rebinding).
+Panel's, with limits on messages, logs of single lines, and a check of each request: Bokeh checks
+the `Origin` of a websocket alone, but pages of strangers can make a browser ask for anything here.
+They can't forge `Host`, the stranger's name even if that points at this machine (DNS rebinding).
 """
 
 import asyncio
@@ -64,18 +62,11 @@ def serve(
     print_line: Callable[[str], None] = print,
     allowed: Sequence[str] = (),
 ) -> None:
-    """Serve the explorer until Ctrl-C or SIGTERM.
+    """Serve the explorer, with the `view` for each visitor, until Ctrl-C or SIGTERM.
 
-    **Arguments:**
-
-    - `view`: first view of every visitor.
-    - `host`: address to listen on.
-    - `port`: to listen on; left out, 5006 or the next free one.
-    - `show`: True to open a browser.
-    - `print_line`: takes each line for the terminal.
-    - `allowed`: names that it answers to besides its own, such as a proxy's.
-
-    **Raises:** `OSError` where it can't listen there.
+    It listens on `host` and `port` (5006 or the next free one), and answers to `allowed` names
+    besides its own, such as a proxy's; `show` opens a browser, `print_line` takes each line for the
+    terminal. `OSError` where it can't listen there.
     """
     handler = logging.StreamHandler()
     handler.setFormatter(LineFormatter())
@@ -83,51 +74,42 @@ def serve(
     log.handlers, log.propagate = [handler], False
     for name in ("bokeh", "tornado.access", "tornado.general"):
         logging.getLogger(name).setLevel(logging.ERROR)
+
+    async def run() -> None:
+        pn.extension()
+        loop, stop = asyncio.get_running_loop(), asyncio.Event()
+        loop.set_exception_handler(_handle_exception)
+        server = start_server(view, host, port, allowed)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with contextlib.suppress(RuntimeError, ValueError):  # outside of the main thread
+                loop.add_signal_handler(number, stop.set)
+        server.start()
+        if host not in _LOCAL:
+            print_line(
+                f"listening on {host}: anyone who reaches port {server.port} of this machine can"
+                " use the explorer and its processor, without password or encryption."
+            )
+        name = "127.0.0.1" if host in _ANY_ADDRESS else f"[{host}]" if ":" in host else host
+        print_line(f"fascicle explorer at http://{name}:{server.port}/ (Ctrl-C stops it)")
+        if show:
+            server.show("/")
+        await stop.wait()
+        # connections of open pages end with the loop, which is no error
+        logging.getLogger("tornado.application").setLevel(logging.CRITICAL)
+        server.stop()
+        stop_jobs()
+
     with warnings.catch_warnings():
         # warnings are for the visitor, on the page: the terminal may be somebody else's
         warnings.simplefilter("ignore", UserWarning)
-        asyncio.run(_serve(view, host, port, show, print_line, allowed))
+        asyncio.run(run())
     print_line("stopped.")
-
-
-async def _serve(
-    view: View,
-    host: str,
-    port: int | None,
-    show: bool,
-    print_line: Callable[[str], None],
-    allowed: Sequence[str],
-) -> None:
-    pn.extension()
-    loop, stop = asyncio.get_running_loop(), asyncio.Event()
-    loop.set_exception_handler(_handle_exception)
-    server = start_server(view, host, port, allowed)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        with contextlib.suppress(RuntimeError, ValueError):  # outside of the main thread
-            loop.add_signal_handler(number, stop.set)
-    server.start()
-    if host not in _LOCAL:
-        print_line(
-            f"listening on {host}: anyone who reaches port {server.port} of this machine can use"
-            " the explorer and its processor, without password or encryption."
-        )
-    name = "127.0.0.1" if host in _ANY_ADDRESS else f"[{host}]" if ":" in host else host
-    print_line(f"fascicle explorer at http://{name}:{server.port}/ (Ctrl-C stops it)")
-    if show:
-        server.show("/")
-    await stop.wait()
-    # connections of open pages end with the loop, which is no error
-    logging.getLogger("tornado.application").setLevel(logging.CRITICAL)
-    server.stop()
-    stop_jobs()
 
 
 def start_server(
     view: View, host: str, port: int | None, allowed: Sequence[str] = ()
 ) -> BaseServer:
-    """Server, not yet started, on the `port`; by default the first free one of 5006 to 5025, else
-    any. `OSError` where it can't listen.
-    """
+    """Server, not yet started; without a `port` on the first free one of 5006 to 5025, or any."""
     sockets, drawing = _bind(host, port), asyncio.Lock()
     app = BokehTornado(
         build_applications({"/": lambda: page(view, drawing)}, title="fascicle"),
@@ -147,11 +129,7 @@ def start_server(
 
 
 def _bind(host: str, port: int | None) -> list[socket.socket]:
-    """Sockets at the `port`, or at the first free one.
-
-    Their connections send each message at once: else the next one waits up to 40 ms for the
-    browser's receipt of the last (Nagle's algorithm and TCP's delayed receipts).
-    """
+    """Sockets at the `port`, or at the first free one."""
     candidates = [port] if port is not None else [*range(PORT, PORT + _ATTEMPTS), 0]
     for number in candidates:
         try:
@@ -161,7 +139,9 @@ def _bind(host: str, port: int | None) -> list[socket.socket]:
                 reason = error.strerror or str(error)
                 raise OSError(f"can't listen on {host}, port {number}: {reason}.") from None
             continue
-        for listener in sockets:  # which connections inherit
+        # connections send each message at once: else the next one waits up to 40 ms for the
+        # browser's receipt of the last (Nagle's algorithm and TCP's delayed receipts)
+        for listener in sockets:
             listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return sockets
     raise AssertionError  # the last candidate returns or raises
@@ -174,11 +154,8 @@ def page(start: View, drawing: asyncio.Lock) -> pn.Column:
     drawn one at a time under the lock `drawing`, and each is sent before the next begins: the first
     visitor of many doesn't wait for the last.
     """
-    query = {
-        key: values[0].decode("utf-8", "replace")
-        for key, values in (pn.state.session_args or {}).items()
-        if values
-    }
+    arguments = (pn.state.session_args or {}).items()
+    query = {key: values[0].decode("utf-8", "replace") for key, values in arguments if values}
     theme = "dark" if query.get("theme") == "dark" else "default"
     pn.config.global_css = [page_css(page_colors(theme))]
     shell = column()
@@ -200,17 +177,15 @@ def page(start: View, drawing: asyncio.Lock) -> pn.Column:
 def reject_reason(
     path: str, headers: Mapping[str, str], host: str, allowed: Sequence[str] = ()
 ) -> tuple[int, str] | None:
-    """Status and sentence for a request to reject, or `None`.
-
-    The server listens on `host`, and answers to `allowed` names besides its own.
-    """
+    """Status and sentence for a request to reject, or `None`; arguments as of `serve`."""
     requested = headers.get("Host", "").lower()
     name, allowed_names = _host_name(requested), set(map(_host_name, allowed))
     names = {*_LOCAL, *allowed_names}
     if host not in _LOCAL:
         names |= {host.lower(), socket.gethostname().lower(), socket.getfqdn().lower()}
-        if _is_ip_address(name):  # which no stranger can make to point elsewhere
-            names.add(name)
+        with contextlib.suppress(ValueError):
+            ipaddress.ip_address(name)
+            names.add(name)  # which no stranger can make to point elsewhere
     if name not in names:
         return 403, (
             f"This explorer isn't called `{sanitize_line(requested, 80)}`: this request may come"
@@ -228,7 +203,7 @@ def guard(app: Application, host: str, allowed: Sequence[str]) -> None:
     """Let a tornado `app` reject requests before any of its own rules, and protect its answers."""
 
     class RejectedRequests(Matcher):
-        """Matches requests with a `reject_reason`."""
+        """Requests with a `reject_reason`."""
 
         def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
             """Arguments of the handler of a rejected request."""
@@ -292,14 +267,6 @@ def _host_name(host: str) -> str:
     """Name in a `Host` header, without its port; empty where there is none."""
     match = _HOST.fullmatch(host.lower())
     return match["name"].strip("[]").rstrip(".") if match else ""
-
-
-def _is_ip_address(name: str) -> bool:
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
 
 
 class LineFormatter(logging.Formatter):

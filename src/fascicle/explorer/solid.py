@@ -132,12 +132,9 @@ class Scene:
     def __init__(
         self, colors: Colors, name: str, height: str, on_pull: Callable[[float], None] | None = None
     ):
-        """Scene whose sources have a `name`, and a `height` in CSS; `on_pull` takes the strain [-]
-        to which a hand pulls an end of the muscle.
-        """
-        chart = self._chart = Chart(
-            colors, "", "", height, tools="", toolbar_location=None, min_border=0
-        )
+        """`on_pull` takes the strain [-] to which a hand pulls an end of the muscle."""
+        plain = {"tools": "", "toolbar_location": None, "min_border": 0}
+        chart = self._chart = Chart(colors, "", "", height, **plain)
         figure = chart.figure
         figure.stylesheets = [*figure.stylesheets, _FRAME]
         camera = chart.new_source("azimuth elevation")
@@ -148,28 +145,12 @@ class Scene:
         self._fibers = chart.new_source("x y z nx ny nz", f"{name}_fibers")
         self._hand = chart.new_source("strain")
         drawn = chart.add("patches_in_space", f"{name}_drawn")
-        slider = self._slider = Slider(
-            title="Turn the view [°]",
-            start=-180,
-            end=180,
-            value=AZIMUTH,
-            step=1,
-            stylesheets=[WIDGET_CSS],
-            sizing_mode="stretch_width",
-            margin=(0, 14),
-        )
-        models = {
-            "camera": camera,
-            "slider": slider,
-            "points": self.points,
-            "faces": self._faces,
-            "fibers": self._fibers,
-            "hand": self._hand,
-            "drawn": drawn,
-            "frame": figure,
-            "along": ALONG,
-            "lift": _LIFT,
-        }
+        style = {"stylesheets": [WIDGET_CSS], "sizing_mode": "stretch_width", "margin": (0, 14)}
+        turns = {"start": -180, "end": 180, "value": AZIMUTH, "step": 1}
+        slider = self._slider = Slider(title="Turn the view [°]", **turns, **style)
+        models = {"camera": camera, "slider": slider, "drawn": drawn, "frame": figure}
+        models |= {"points": self.points, "faces": self._faces, "fibers": self._fibers}
+        models |= {"hand": self._hand, "along": ALONG, "lift": _LIFT}
         code = CustomJS(args=models, code=PROJECTION + _SCRIPT)
         for source in (self.points, camera):  # all else changes before the points do
             source.js_on_change("data", code)
@@ -203,21 +184,18 @@ class Scene:
         `colors` of each one's tube and fibers; color of each `fitting`. `rest`: strain [-] and
         rest length [m] of a muscle that can be pulled.
         """
-        parts = [
-            solid.transform(*position) for solid, position in zip(solids, positions, strict=True)
-        ]
+        pairs = zip(solids, positions, strict=True)
+        parts = zip(*(solid.transform(*position) for solid, position in pairs), strict=True)
         points, lines, normals = (
-            np.concatenate([array.reshape(-1, 3) for array in arrays])
-            for arrays in zip(*parts, strict=True)
+            np.concatenate([a.reshape(-1, 3) for a in part]) for part in parts
         )
         middle = np.array([0.0, 0.0, (points[:, 2].min() + points[:, 2].max()) / 2])
         kinds = (tuple(colors), tuple(len(solid.fibers) for solid in solids))
         if kinds != self._kinds:  # faces are many, and stay while a slider moves
             tubes, fibers = zip(*colors, strict=True)
             self._faces.data = _face_columns(tubes, fitting)
-            self._fibers.tags = [
-                color for color, count in zip(fibers, kinds[1], strict=True) for _ in range(count)
-            ]
+            counts = zip(fibers, kinds[1], strict=True)
+            self._fibers.tags = [color for color, count in counts for _ in range(count)]
             self._kinds = kinds
         normals = _columns(("nx", "ny", "nz"), normals)
         self._fibers.data = _columns("xyz", lines - middle) | normals
@@ -232,9 +210,7 @@ def _columns(names: Sequence[str], points: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _face_columns(colors: Sequence[str], fitting: str) -> dict[str, np.ndarray]:
-    """Columns of the faces of solids, whose tubes have these `colors`: point indices of the four
-    corners, `a` to `d`, and `red`, `green` and `blue`.
-    """
+    """Columns of the faces of solids: indices of the corners, `a` to `d`, and colors."""
     corners = face_corners()
     number = corners.max() + 1
     all_corners = np.concatenate([corners + i * number for i in range(len(colors))])

@@ -192,17 +192,12 @@ class Session(param.Parameterized):
         self.param.watch(lambda event: callback(event.old, event.new), "view")
 
     def change(self, **changes: object) -> None:
-        """Replace some fields of the view; values that it has already change nothing.
-
-        A widget that is set to show the view calls this with the view's own value.
-        """
+        """Replace fields of the view, if it has other values: widgets that show it call this."""
         if any(getattr(self.view, name) != value for name, value in changes.items()):
             self.show(replace(self.view, **changes))
 
     def show(self, view: View) -> None:
-        """Replace the view, and remember the present one unless this is the next step of the last
-        change.
-        """
+        """Replace the view; remember the present one unless this is a step of the last change."""
         names = {name for name in CONTENT_FIELDS if changed(self.view, view, name)}
         (last_names, last), time_now = self._last, time.monotonic()
         if names:
@@ -227,9 +222,7 @@ class Session(param.Parameterized):
         return bool(self._future)
 
     def limit_undo(self, limited: bool) -> None:
-        """Let undo go back to the present view at most; then forget the views since, and let it go
-        back to all before.
-        """
+        """Let undo go back to the present view at most; or again to all before it, but no later."""
         if not limited:
             self._past = self._past[: self._oldest]
         self._oldest = len(self._past) if limited else 0
@@ -250,13 +243,11 @@ class Session(param.Parameterized):
         self.show(self._with_display(self.opened))
 
     def _step(self, source: list[View], target: list[View]) -> None:
-        """Show the last view of `source`, and keep the present one in `target`."""
         target.append(self.view)
         self._last = set(), -math.inf
         self._set(self._with_display(source.pop()))
 
     def _with_display(self, view: View) -> View:
-        """The `view` with the tab and the display units of the session's present view."""
         return replace(view, **{name: getattr(self.view, name) for name in _DISPLAY_FIELDS})
 
     def _set(self, view: View) -> None:

@@ -14,7 +14,7 @@ from .bundle_curves import second_unit_reversal
 from .muscle_curves import REGIONS, strain_limit
 from .state import Session, Unit, View
 from .tab import LatestResult, session_document
-from .widgets import button, column, format_quantity, pane, row, text_html
+from .widgets import button, column, format_quantity, row, text_html, wide_pane
 
 
 TITLES = ("It pulls", "It buckles", "It folds", "Feeding a second unit shortens the reach")
@@ -48,15 +48,14 @@ class Story:
     """Panel of the story: an offer, or a scene with its sentences and buttons."""
 
     def __init__(self, session: Session, offer: bool = False):
-        """Story of a `session`; with an `offer`, which browsers show until it is dismissed."""
+        """Story of a `session`; browsers show an `offer` of it until it is dismissed."""
         self._session, self._before, self.scene = session, session.view, 0
         self._opened, self._timer = session.opened, None
-        self._text = pane(margin=0, css_classes=["live", "scene-text"], sizing_mode="stretch_width")
+        self._text = wide_pane(margin=0, css_classes=["live", "scene-text"])
         self._texts = LatestResult(self._show_text, self._show_error)
         self.back = button("Back", lambda: self._move(-1))
-        self.next = button(
-            "Next", lambda: self._move(1), color="primary", css_classes=["story-next"]
-        )
+        style = {"color": "primary", "css_classes": ["story-next"]}
+        self.next = button("Next", lambda: self._move(1), **style)
         self.next.jscallback(label=_KEEP_FOCUS)
         for move in (self.back, self.next):
             move.js_on_click(code="window.fascicleTop?.()")
@@ -96,7 +95,6 @@ class Story:
         self._running.visible = False
 
     def _move(self, step: int) -> None:
-        """Show the scene a `step` further, or end the story."""
         if 0 < self.scene + step <= len(TITLES):
             self._show_scene(self.scene + step)
         elif self.scene:
@@ -172,19 +170,15 @@ def scene_view(view: View, scene: int) -> View:
 
 def scene_text(view: View, scene: int) -> str:
     """Sentences of a `scene`, counted from 1, on a `view`, with its numbers."""
-    text = _in_units(view)
+
+    def text(value: float, dimension: str) -> str:
+        digits = 4 if dimension == "pressure" else 3
+        return format_quantity(value, view.display_units[dimension], dimension, digits)
+
     return _reversal_text(view, text) if scene == len(TITLES) else _muscle_text(view, text)
 
 
-def _in_units(view: View) -> Callable[[float, str], str]:
-    """Function that writes a quantity [SI] of a dimension in the page's unit."""
-    return lambda value, dimension: format_quantity(
-        value, view.display_units[dimension], dimension, 4 if dimension == "pressure" else 3
-    )
-
-
 def _muscle_text(view: View, text: Callable[[float, str], str]) -> str:
-    """Sentences on the muscle at the view's point."""
     muscle, pressure, strain = view.muscle, view.pressure, view.strain
     response = muscle.response(pressure, strain)
     force, region = float(response.force), int(response.region)
@@ -220,21 +214,18 @@ def _muscle_text(view: View, text: Callable[[float, str], str]) -> str:
 
 
 def _reversal_text(view: View, text: Callable[[float, str], str]) -> str:
-    """Sentences on the bundle's free strain without pressure in unit 2 and with it."""
     bundle = view.bundle
     if len(view.units) < 2 or view.pressures[0] <= 0:
         return "Add a second unit and raise P1: unit 1 shortens the bundle, unit 2 follows."
     first, second = view.pressures[:2]
-    before = (first, 0.0, *view.pressures[2:])
-    reach_before, reach = (
-        float(bundle.free_strain(P, view.resistance)) for P in (before, view.pressures)
-    )
+    states = (first, 0.0, *view.pressures[2:]), view.pressures
+    before, reach = (float(bundle.free_strain(P, view.resistance)) for P in states)
     lines = [
         f"With {text(first, 'pressure')} in unit 1, and unit 2 vented, the bundle reaches"
-        f" contraction {reach_before:#.3g}."
+        f" contraction {before:#.3g}."
     ]
     push = -float(bundle.unit_forces(view.pressures, reach, view.resistance)[1])
-    if reach < reach_before and push > 0:
+    if reach < before and push > 0:
         lines.append(
             f"With {text(second, 'pressure')} in unit 2 it reaches only {reach:#.3g}: its muscles"
             f" are contracted past their own free strain and push with {text(push, 'force')}."

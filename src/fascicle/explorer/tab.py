@@ -65,10 +65,8 @@ def output_stem(name: str, kind: str, input_names: Iterable[str] = ()) -> str:
 
 
 class Tab:
-    """Base class of the page's tabs: `draw` draws the view anew, `follow` updates what is drawn.
-
-    `panel`: of the tab. `fields`: of the view; after a change of one of them the tab is drawn anew,
-    after other changes updated.
+    """Base class of the page's tabs: `draw` draws the view anew after a change of one of its
+    `fields`, `follow` updates what is drawn after other changes; `panel`: of the tab.
     """
 
     name: ClassVar[str]
@@ -106,7 +104,7 @@ class Tab:
         raise NotImplementedError
 
     def set_colors(self, colors: Colors) -> None:
-        """Replace the colors of the figures; what the tab shows is drawn anew when it is open."""
+        """Replace the colors of the figures; the tab is drawn anew when it is open."""
         panes: Any = self.panel.select(pn.pane.Bokeh)
         replace_colors((pane.object for pane in panes), self.colors, colors)
         self.colors, self._drawn = colors, None
@@ -158,9 +156,7 @@ def _is_alive(doc: Document) -> bool:
 
 
 class Progress:
-    """A bar that moves while a computation of unknown duration runs, and a line about it in the
-    pane `status`; `label` for screen readers.
-    """
+    """A bar that moves while a computation runs, and a line in the pane `status`."""
 
     def __init__(self, label: str, status: Any):
         html = f'<div role="progressbar" aria-label="{label}"><div></div></div>'
@@ -177,10 +173,8 @@ class Progress:
 
 class LatestResult:
     """Runs one computation at a time in a thread of `workers`, then that of the latest request, if
-    it is newer; a slider that goes on moving shows each result.
-
-    On the loop, `show` takes a result, and `fail` an error, once `is_open` is true: Panel gives
-    what changes in a hidden tab style sheets from another machine.
+    it is newer. On the loop, `show` takes a result, and `fail` an error, once `is_open` is true:
+    Panel gives what changes in a hidden tab style sheets from another machine.
     """
 
     def __init__(
@@ -245,9 +239,7 @@ def is_computing() -> bool:
 
 
 def result_and_error(compute: Callable[[], object]) -> Outcome:
-    """Result of `compute` and no error, or no result and its `ValueError`; in place of an error
-    that isn't a visitor's, a sentence: the log has that error.
-    """
+    """Result of `compute`, or its error; the log has one that isn't a visitor's."""
     try:
         return compute(), None
     except (ValueError, ImportError) as error:  # a visitor's mistake, or an extra that is missing
@@ -255,9 +247,6 @@ def result_and_error(compute: Callable[[], object]) -> Outcome:
     except Exception:  # noqa: BLE001 whatever it is, the server goes on
         traceback.print_exc()
         return None, ValueError("This could not be computed; see the server's log.")
-
-
-# jobs in worker processes
 
 
 @lru_cache(maxsize=1)
@@ -273,10 +262,7 @@ def _prepare_process() -> None:
 
 
 def run_job(function: Callable[..., _Result], *arguments: object) -> _Result:
-    """Result of `function(*arguments)` in a worker process; all of them are pickled.
-
-    **Raises:** the function's errors; `ValueError` if the process ends.
-    """
+    """Result of `function` in a worker process; all is pickled. `ValueError` if it ends."""
     try:
         return _processes().submit(function, *arguments).result()
     except BrokenProcessPool:

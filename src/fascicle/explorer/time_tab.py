@@ -222,9 +222,9 @@ class Player:
         for chart in charts:
             chart.figure.js_on_event(Tap, code)
         self._slider, self.pane = slider, scene.new_pane()
-        modes = {play: None, slider: "stretch_width", speed: None, readout: "stretch_width"}
+        modes = (play, None), (slider, "stretch_width"), (speed, None), (readout, "stretch_width")
         *controls, self.readout = (
-            pn.pane.Bokeh(model, margin=0, sizing_mode=mode) for model, mode in modes.items()
+            pn.pane.Bokeh(model, margin=0, sizing_mode=mode) for model, mode in modes
         )
         self.controls = ui.row(*controls, kind="")
 
@@ -433,7 +433,8 @@ class TimeView(Tab):
 
     def _energies(self, colors: Colors) -> list[Curve]:
         """Curves of the energies [J] since the start, in the terms of (A1) and (A2)."""
-        totals = [sum(map(self._samples, names.split())) for names in _ENERGIES.values()]
+        names = map(str.split, _ENERGIES.values())
+        totals = [np.sum([self._samples(name) for name in group], axis=0) for group in names]
         palette = (colors.ink, *cycle_colors(colors, 3, first=2))
         styles = zip(_ENERGIES, palette, _DASHES, strict=False)
         return _curves([total - total[0] for total in totals], styles)

@@ -8,7 +8,7 @@ import asyncio
 import html
 import io
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -44,9 +44,6 @@ _LABELS = {name: label for name, (label, _) in SIZES.items()} | {
     "strain": "Contraction ε",
     "scheme": "Recruitment",
 }
-
-
-# style
 
 
 def page_colors(theme: str) -> Colors:
@@ -111,9 +108,6 @@ def wide_pane(text: str = "", **options: Any) -> Any:
     return pane(text, sizing_mode="stretch_width", **options)
 
 
-# quantities
-
-
 def unit_factor(unit: str, dimension: str) -> float:
     """Value [SI] of one `unit` of a `dimension`."""
     return float(DIMENSIONS[dimension].factors[unit])
@@ -141,9 +135,6 @@ def parse_field(text: str, dimension: str, unit: str, name: str) -> float:
         float(text)
         text = f"{text} {unit}".strip()
     return parse(text, dimension, name)
-
-
-# errors
 
 
 def page_message(error: ValueError | str, **labels: str) -> str:
@@ -182,18 +173,13 @@ class Message:
             self.show(error)
 
 
-# widgets
-
-
 def widget(
     kind: type[pn.widgets.Widget],
     label: str,
     on_change: Callable[[Any], object] | None = None,
     **options: Any,
 ) -> Any:
-    """A Panel widget of a `kind` in the page's style, as wide as there is room; `on_change` is
-    called with its new value.
-    """
+    """A Panel widget in the page's style, as wide as there is room."""
     defaults = {"sizing_mode": None if "width" in options else "stretch_width", "margin": (2, 8)}
     result = kind(label=label, stylesheets=[WIDGET_CSS], **defaults | options)
     if on_change is not None:
@@ -203,7 +189,7 @@ def widget(
 
 def dropdown(
     label: str,
-    options: dict[str, str] | Sequence[str],
+    options: dict[str, str] | Iterable[str],
     on_change: Callable[[str], object] | None = None,
     **more: Any,
 ) -> Any:
@@ -215,7 +201,7 @@ def dropdown(
 def file_input(
     label: str, accept: str, on_file: Callable[[bytes, str], object], **options: Any
 ) -> Any:
-    """A button that opens a file, of which `on_file` takes the bytes and the name."""
+    """A button that opens a file; `on_file` takes its bytes and name."""
 
     def open_file(*_: object) -> None:
         if result.value or result.filename:
@@ -228,9 +214,7 @@ def file_input(
 
 
 def decode_upload(raw: bytes, name: str, limit: int) -> str:
-    """Text of an uploaded file; `ValueError` with its `name` for an empty file, one above the
-    `limit` in bytes, and one that isn't UTF-8.
-    """
+    """Text of an uploaded file; `ValueError` for none, more bytes than the `limit`, or no UTF-8."""
     if not raw:
         raise ValueError(f"{name}: the file is empty, 0 bytes.")
     if len(raw) > limit:
@@ -252,9 +236,7 @@ def button(label: str, on_click: Callable[[], object] | None, **options: Any) ->
 def download_button(
     label: str, content: Callable[[], tuple[str, bytes]], message: Message, **options: Any
 ) -> Any:
-    """Button that downloads a file, whose name and bytes `content` gives when it is pressed; if
-    there is no file, `message` says why.
-    """
+    """Button that downloads the file of `content`, or shows in a `message` why there is none."""
 
     def make_file() -> io.BytesIO:
         try:
@@ -295,20 +277,16 @@ class Field:
         self._unit = unit
         self._text = "" if value is None else format_quantity(value, unit, self._dimension, 5)
         self.input.value = self._text
-        self._clear()
-
-    def _clear(self) -> None:
-        self.message.show("")
-        self.input.stylesheets = [WIDGET_CSS]
+        self.show_error("")
 
     def show_error(self, error: ValueError | str) -> None:
-        """Show an `error` below the field, whose border is red."""
-        self.input.stylesheets = [WIDGET_CSS, _INVALID_CSS]
+        """Show an `error` below the field, whose border is red; nothing where it is empty."""
+        self.input.stylesheets = [WIDGET_CSS, *[_INVALID_CSS] * bool(error)]
         self.message.show(error, **{self.name: self.label})
 
     def _on_input(self, text: str) -> None:
         if text == self._text:  # the page's own, or typed again after an error
-            self._clear()
+            self.show_error("")
             return
         try:
             value = None
@@ -370,9 +348,6 @@ class QuantitySlider:
             text = format_quantity(value, self._unit, self._dimension)
             raise InvalidInputError(self.field.name, rule, value, shown=text)
         self._set(min(value, self._top))
-
-
-# HTML
 
 
 def text_html(text: str) -> str:

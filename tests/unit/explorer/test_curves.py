@@ -118,7 +118,7 @@ def test_the_bundles_curves_are_the_laws():
 @pytest.mark.parametrize("path", ["isobaric", "isotonic"])
 def test_a_load_in_the_overlap_has_pressures_in_each_state_the_cheapest_first(path):
     bundle, overlap = VIEW.bundle, bundle_curves.bundle_workspace(VIEW.bundle, True).overlap
-    widest = int(np.argmax(overlap.width[0]))
+    widest = int(np.nanargmax(overlap.high[0] - overlap.low[0]))
     strain = float(overlap.strain[widest])
     load = float(overlap.low[0, widest] + overlap.high[0, widest]) / 2
     rows, _ = bundle_curves.recruitments(bundle, load, strain, True, path)
