@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import math
 import os
 import re
 import shutil
@@ -566,3 +567,164 @@ def test_a_run_in_time_is_played_without_the_server(visit, tmp_path):
         page.keyboard.press(key)
         until(page, f"label => ({LABEL})() === label", arg=f"DIV {tab}")
     source(page, "time_tubes", "d => d.xs && d.xs.length > 1 && d.xs.length")
+
+
+TWO = "d => d.xs.length === 2"
+
+
+def test_two_braid_angles_are_compared(visit):
+    from playwright.sync_api import expect
+
+    page = visit("?pressure=137.9kPa&strain=0.1")
+    source(page, "curve")
+    page.get_by_role("button", name="Pin this curve").first.click()
+    page.get_by_text("Pinned in Compare as").wait_for()
+    angle = field(page, "Braid angle")
+    angle.fill("28 deg")
+    angle.press("Enter")
+    blocked = float(MUSCLE.force(137.9e3, 0.0))
+    until(page, f"old => ({SOURCE})('curve').force[0] > 1.2 * old", arg=blocked)
+    page.get_by_role("button", name="Pin this curve").first.click()
+    page.get_by_text("“braid angle 28 deg”").wait_for()
+    page.get_by_text("Compare", exact=True).first.click()
+    shown = source(page, "compared", TWO)
+    other = MUSCLE.replace(braid_angle=math.radians(28))
+    for muscle, strain, force in zip((MUSCLE, other), shown["xs"], shown["ys"], strict=True):
+        law = muscle.force(137.9e3, np.array(strain))
+        np.testing.assert_allclose(force, law, rtol=1e-9, atol=1e-9)
+    assert shown["dash"][0] != shown["dash"][1] and shown["color"][0] != shown["color"][1]
+    # the table, and another contraction
+    percent = 100 * (float(other.force(137.9e3, 0.0)) / blocked - 1)
+    expect(page.locator("table").first).to_contain_text(f"(+{percent:.1f} %)")
+    typed = field(page, "Contraction ε to compare at, typed")
+    typed.fill("0.2")
+    typed.press("Enter")
+    force = f"{float(other.force(137.9e3, 0.2)):.4g}"
+    expect(page.locator("table").last).to_contain_text("Force at ε = 0.2 [N]")
+    expect(page.locator("table").last).to_contain_text(force)
+    # a name, which stays in the link
+    name = field(page, "Name of curve 2")
+    name.fill("28°")
+    name.press("Enter")
+    source(page, "compared", "d => d.label[1] === '28°'")
+    until(page, "() => location.search.includes('tab=compare')")
+    shown = source(page, "compared", TWO)
+    page.wait_for_timeout(1_000)  # ms: the address follows when nothing has changed for a while
+    again = visit(page.evaluate("() => location.search"))
+    assert source(again, "compared", TWO) == shown
+    rows = shared(again, "Data (CSV)").read_text().splitlines()
+    assert len(rows) == 2 * 201 + 1
+    again.get_by_role("button", name="Remove 1").click()
+    left = source(again, "compared", "d => d.xs.length === 1")
+    assert left["label"] == ["28°"]
+
+
+OFFER = "See in four steps"
+
+
+def scene(page, number):
+    page.get_by_role("heading", name=f"{number} of 4").wait_for()
+
+
+def focus(page, label):
+    """Wait until the focus is on a widget with a `label`, whose outline is visible."""
+    until(page, f"label => ({LABEL})() === label", arg=label)
+    style = page.evaluate("""() => { let at = document.activeElement;
+      while (at?.shadowRoot?.activeElement) at = at.shadowRoot.activeElement;
+      const { outlineStyle, outlineWidth } = getComputedStyle(at);
+      return `${outlineStyle} ${outlineWidth}`; }""")
+    assert re.match(r"solid [1-9]", style)
+
+
+@pytest.fixture
+def first_visit(visit):
+    """Open an address as in a browser that has not seen the offer."""
+
+    def open_page(query="", **size):
+        page = visit(query, **size)
+        page.evaluate("() => localStorage.removeItem('fascicle-story')")
+        page.reload()
+        until(page, READY)
+        return page
+
+    return open_page
+
+
+def test_the_story_goes_by_keyboard_alone_and_leaves_the_inputs(first_visit):
+    page = first_visit()
+    page.get_by_role("button", name=OFFER).wait_for()
+    before = source(page, "point")
+    page.keyboard.press("Tab")
+    assert OFFER in page.evaluate(LABEL)
+    page.keyboard.press("Enter")
+    live = page.locator(".scene-text")
+    scene(page, 1)
+    assert live.get_attribute("aria-live") == "polite"
+    until(page, f"() => ({SOURCE})('point').y[0] > 0")
+    focus(page, "BUTTON Next")
+    page.keyboard.press("Enter")
+    scene(page, 2)
+    until(page, f"() => ({SOURCE})('point').y[0] < 0")
+    # the sentences follow a slider
+    move_to(page, "Contraction ε")
+    page.keyboard.press("Home")
+    page.get_by_text("is straight and pulls").wait_for()
+    move_to(page, "BUTTON Next", "Shift+Tab")
+    page.keyboard.press("Enter")
+    scene(page, 3)
+    page.keyboard.press("Shift+Tab")
+    focus(page, "BUTTON Back")
+    page.keyboard.press("Enter")
+    scene(page, 2)
+    page.keyboard.press("Tab")
+    for number in (3, 4):
+        focus(page, "BUTTON Next")
+        page.keyboard.press("Enter")
+        scene(page, number)
+    # the second unit is filled from zero up to the reversal
+    turn = source(page, "turn")["x"][0]
+    point = f"({SOURCE})('free_strain_point').x[0]"
+    assert page.evaluate(f"() => {point}") < turn
+    until(page, f"turn => {point} >= turn", arg=turn)
+    reach = source(page, "equilibria")["x"]
+    page.get_by_text(f"reaches only {reach[0]:.3f}").wait_for()
+    focus(page, "BUTTON Done")
+    page.keyboard.press("Enter")
+    page.get_by_role("heading", name="4 of 4").wait_for(state="hidden")
+    until(page, f"() => ({LABEL})() === 'DIV Muscle'")
+    until(page, f"x => ({SOURCE})('point').x[0] === x", arg=before["x"][0])
+    # the next visit has no offer, but a button
+    page.evaluate("() => history.replaceState(null, '', '/')")
+    page.reload()
+    until(page, READY)
+    page.get_by_role("button", name="The story in four steps").wait_for()
+    assert not page.get_by_role("button", name=OFFER).is_visible()
+
+
+def test_scenes_on_a_phone_are_tidy_and_have_no_barriers_that_axe_finds(visit):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: make setup")
+    width, height = 390, 844
+    page = visit("?strain=0.1", width=width, height=height)
+    page.get_by_role("button", name="The story in four steps").click()
+    for number in (1, 2, 3, 4):
+        scene(page, number)
+        source(page, "bundle" if number == 4 else "solid")
+        # curve and muscle, or bundle and its free strain, are in view with the sentences
+        wait_for_layout(page)
+        for figure in page.locator(".bk-Figure").all()[slice(1, 3) if number == 4 else slice(2)]:
+            box = figure.bounding_box()
+            assert box["y"] > 0 and box["y"] + box["height"] / 2 < height
+        page.set_viewport_size({"width": width, "height": 3000})  # where nothing is covered
+        for _ in range(20):  # figures shrink a while after the scene's text has come
+            wait_for_layout(page)
+            if not (faults := untidy(page, width)):
+                break
+            page.wait_for_timeout(250)  # ms
+        assert (number, faults) == (number, [])
+        page.set_viewport_size({"width": width, "height": height})
+        if number in (1, 4):  # other scenes have the same parts
+            violations = axe.Axe().run(page).response["violations"]
+            grave = [fault["id"] for fault in violations
+                     if fault["impact"] in ("serious", "critical")]  # fmt: skip
+            assert (number, grave) == (number, [])
+        page.get_by_role("button", name="Done" if number == 4 else "Next").click()

@@ -124,10 +124,8 @@ def bundle_state(view: View, top: float) -> BundleState:
 def recruitments(
     bundle: Bundle, load: float, strain: float, resistance: bool, path: str
 ) -> tuple[list[Recruitment], str]:
-    """All pressures for a `load` [N] at a `strain` [-], the cheapest first, and a remark.
-
-    After them, each state that can't carry the load has the nearest force that it gives. The
-    efficiency is that along a `path`.
+    """All pressures for a `load` [N] at a `strain` [-], the cheapest first, then the nearest force
+    of each state that can't carry it; and a remark. The efficiency is that along a `path`.
     """
     result = bundle.recruit(load, strain, resistance=resistance)
     states = states_of(bundle.scheme, len(bundle.motor_units))
@@ -189,10 +187,9 @@ def bundle_solids(view: View, top: float) -> BundleSolids:
         owners += [i] * counts[i]
     widest = max(float(unit.muscle.outer_radius) for unit in bundle.motor_units)
     positions = muscle_positions(len(solids), _SPACING * widest)
-    envelope = 0.0
-    for solid, position in zip(solids, positions, strict=True):
-        tube = solid.transform(*position)[0][: RINGS * AROUND]
-        envelope = max(envelope, float(np.hypot(tube[:, 0], tube[:, 1]).max()))
+    pairs = zip(solids, positions, strict=True)
+    tubes = [solid.transform(*position)[0][: RINGS * AROUND] for solid, position in pairs]
+    envelope = max(float(np.hypot(tube[:, 0], tube[:, 1]).max()) for tube in tubes)
     return BundleSolids(solids, owners, positions, envelope)
 
 

@@ -13,7 +13,7 @@ from ..bundle import Bundle
 from ..bundle.energetics import PATHS
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
-from ..core.validation import HIGHEST_PRESSURE, check_finite, check_interval
+from ..core.validation import check_interval
 from ..plot.curves import split_at_reversal
 from ..plot.resistance_loss import efficiency_maps
 from ..plot.theme import BLACK, WHITE, Colors, mix, to_bytes
@@ -25,7 +25,7 @@ from .bundle_curves import BundleState, BundleWorkspace, FreeStrainCurve, Recrui
 from .chart import Chart, cycle_colors, hover_tooltips, padded_range
 from .remarks import equilibria_text, remarks_html, words_html
 from .solid import Scene
-from .state import SIZES, Session, Unit, View, changed, check_units, scaled_muscle
+from .state import SIZES, Session, Unit, View, changed, check_units, check_value, scaled_muscle
 from .tab import Export, LatestResult, StrainTab
 
 
@@ -63,8 +63,8 @@ class UnitRows:
         self._session = session
         self.rows: list[UnitInputs] = []
         self._buttons = [
-            ui.button("Add a unit", self._add_unit, margin=(4, 4, 4, 8)),
-            ui.button("Remove the last", self._remove_last, margin=4),
+            ui.button("Add a unit", partial(self._set_number, 1), margin=(4, 4, 4, 8)),
+            ui.button("Remove the last", partial(self._set_number, -1), margin=4),
         ]
         self.panel, self.message = ui.column(kind="pairs"), ui.Message()
 
@@ -125,15 +125,10 @@ class UnitRows:
         check_units(units)
         self._session.change(units=units)
 
-    def _add_unit(self) -> None:
-        view = self._session.view
-        self._set_units((*view.units, Unit()), (*view.pressures, 0.0))
-
-    def _remove_last(self) -> None:
-        view = self._session.view
-        self._set_units(view.units[:-1], view.pressures[:-1])
-
-    def _set_units(self, units: tuple[Unit, ...], pressures: tuple[float, ...]) -> None:
+    def _set_number(self, change: int) -> None:
+        """Add a unit, or remove the last."""
+        view, number = self._session.view, len(self._session.view.units) + change
+        units, pressures = (*view.units, Unit())[:number], (*view.pressures, 0.0)[:number]
         with self.message.errors():
             check_units(units)
             self._session.change(units=units, pressures=pressures)
@@ -340,7 +335,7 @@ class BundleView(StrainTab):
 
     def _set_supply(self, value: float) -> None:
         """Set the supply pressure [Pa], and lower others to it."""
-        check_interval(value, 0.0, HIGHEST_PRESSURE, "supply", "Pa", "(gauge)", (False, True))
+        check_value("supply", value)
         view = self.session.view
         pressures = tuple(min(P, value) for P in view.pressures)
         pressure = min(view.pressure, value)
@@ -438,9 +433,7 @@ class BundleView(StrainTab):
         self.session.change(strain=value)
 
     def _set_load(self, value: float | None) -> None:
-        if value is not None:
-            check_finite(value, "load", "N")
-        self.session.change(load=value)
+        self.session.change(load=None if value is None else check_value("load", value))
 
     def _request_recruitments(self, view: View) -> None:
         """Show the load of a `view`, and request the pressures for it, if there is one."""

@@ -5,6 +5,7 @@ Line styles differ as well as colors, so that no color is needed to read a figur
 
 import tomllib
 from collections.abc import Callable, Iterable
+from itertools import cycle, islice
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +57,7 @@ def pressure_colors(colors: Colors, count: int) -> list[str]:
 
 def cycle_colors(colors: Colors, count: int, first: int = 0) -> list[str]:
     """Colors for `count` curves from the `first` on, which come again where there are too few."""
-    cycle = colors.curves[first:]
-    return [cycle[i % len(cycle)] for i in range(count)]
+    return list(islice(cycle(colors.curves[first:]), count))
 
 
 def replace_colors(figures: Iterable[Any], before: Colors, after: Colors) -> None:

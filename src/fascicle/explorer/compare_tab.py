@@ -2,7 +2,6 @@
 
 import html
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import ClassVar, NamedTuple
@@ -11,7 +10,6 @@ import numpy as np
 import panel as pn
 
 from ..core.errors import InvalidInputError
-from ..core.validation import HIGHEST_PRESSURE, check_interval
 from ..files import named_muscles
 from ..io.sanitize import sanitize_line
 from ..muscle import Muscle
@@ -24,7 +22,7 @@ from . import widgets as ui
 from .chart import Chart, cycle_colors, hover_tooltips, padded_range, screen_height
 from .muscle_curves import POINTS, alternative_laws, law_label, strain_limit, with_alternative
 from .remarks import validity_warnings
-from .state import Pin, Session, Unit, View, changed, shipped_muscle
+from .state import Pin, Session, Unit, View, changed, check_value, shipped_muscle
 from .tab import Export, StrainTab
 
 
@@ -51,11 +49,6 @@ class PinCurve(NamedTuple):
     blocked_force: float
     free_strain: float
     collapse_strain: float
-
-
-def top_strain(pins: Sequence[Pin]) -> float:
-    """Largest strain [-] that is drawn for all `pins`."""
-    return max(strain_limit(pin.muscle, pin.pressure) for pin in pins)
 
 
 @lru_cache(maxsize=128)  # visitors share it
@@ -174,9 +167,7 @@ class PinForm:
         self._law.param.update(options=options, value=law)
 
     def _set_pressure(self, value: float) -> None:
-        closed = (True, True)
-        check_interval(value, 0.0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed)
-        self._pressure_value = value
+        self._pressure_value = check_value("pressure", value)
 
     def _pin(self) -> None:
         muscle, name = self._selected_muscle(), self._muscle.value
@@ -228,7 +219,7 @@ class CompareView(StrainTab):
         if not view.pins:
             return
         unit, scale = self.unit("force")
-        self.top = top_strain(view.pins)
+        self.top = max(strain_limit(pin.muscle, pin.pressure) for pin in view.pins)
         curves = [pin_curve(pin.muscle, pin.pressure, self.top) for pin in view.pins]
         forces = [curve.force / scale for curve in curves]
         self._curves.data = {

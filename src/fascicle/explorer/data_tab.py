@@ -57,12 +57,9 @@ _FORM = """<p class="small">Such a file begins with</p><pre>pressure [kPa],strai
 
 
 class RecordInputs:
-    """Fields for information that a record's file lacks; a change reads it again."""
+    """Fields for information that a record's file lacks; a `change` reads it again."""
 
-    def __init__(self, on_change: Callable[[], None]):
-        def change(_: object) -> None:
-            on_change()
-
+    def __init__(self, change: Callable[[object], None]):
         label = "Rest length, if the record doesn't have it"
         self.length = ui.widget(pn.widgets.TextInput, label, change)
         label = "A force of exactly 0 means 0 or less"
@@ -76,10 +73,7 @@ class RecordInputs:
         self.panel = ui.column(self.length, self.clipped, fields)
 
     def options(self, length_unit: str) -> dict[str, object]:
-        """Arguments of `records.load` in the fields; a bare rest length is in the `length_unit`.
-
-        Raises `ValueError` for a rest length that can't be read.
-        """
+        """Arguments of `records.load`; a bare rest length is in the `length_unit`."""
         text = self.length.value.strip()
         options = {
             "columns": {r: w.value.strip() for r, w in self.columns.items() if w.value.strip()},
@@ -129,7 +123,7 @@ class DataView(Tab):
         label, wide = "Try an example record (synthetic)", {"sizing_mode": "stretch_width"}
         self._example = ui.button(label, self.open_example, color="primary", **wide)
         self._other_example = ui.button(label, self.open_example, visible=False, **wide)
-        self.read_inputs = RecordInputs(self._read)
+        self.read_inputs = RecordInputs(lambda _: self._read())
         kinds = {
             "what the data determine": measured.AUTOMATIC,
             "the paper's tuning": measured.TUNING,

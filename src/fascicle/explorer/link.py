@@ -13,13 +13,7 @@ from dataclasses import replace
 from ..bundle.energetics import PATHS
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
-from ..core.validation import (
-    HIGHEST_PRESSURE,
-    LARGEST_STRAIN,
-    check_choice,
-    check_finite,
-    check_interval,
-)
+from ..core.validation import check_choice
 from ..files import dumps, example, loads, named_muscles, scenarios
 from ..muscle import Muscle
 from ..units import exact, parse
@@ -177,7 +171,7 @@ def _read_pins(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
             muscle: Muscle = state.shipped_muscle(source)
         else:
             muscle = state.view_of(loads(source, source="a pinned muscle"), "pin").muscle
-        pins = add_pin(pins, name, muscle, _gauge_pressure(pressure))
+        pins = add_pin(pins, name, muscle, state.check_value("pressure", pressure))
     return replace(view, pins=pins)
 
 
@@ -194,28 +188,13 @@ def _read_policies(view: state.View, text: str, _: Mapping[str, str]) -> state.V
     return replace(view, setup=replace(view.setup, policies=policies))
 
 
-def _gauge_pressure(value: float) -> float:
-    closed = (True, True)
-    return float(check_interval(value, 0, HIGHEST_PRESSURE, "pressure", "Pa", "(gauge)", closed))
-
-
-def _strain(value: float) -> float:
-    return float(check_interval(value, 0, LARGEST_STRAIN, "strain", "-", closed=(True, True)))
-
-
-def _supply(value: float) -> float:
-    return float(check_interval(value, 0, HIGHEST_PRESSURE, "supply", "Pa", closed=(False, True)))
-
-
-def _load(value: float) -> float:
-    return float(check_finite(value, "load", "N"))
-
-
 _Reader = Callable[[state.View, str, Mapping[str, str]], state.View]
 
 
-def _quantity(name: str, dimension: str, check: Callable[[float], float]) -> _Reader:
-    return lambda view, text, _: replace(view, **{name: check(parse(text, dimension))})
+def _quantity(name: str, dimension: str) -> _Reader:
+    return lambda view, text, _: replace(
+        view, **{name: state.check_value(name, parse(text, dimension))}
+    )
 
 
 def _choice(name: str, options: Sequence[str]) -> _Reader:
@@ -224,19 +203,19 @@ def _choice(name: str, options: Sequence[str]) -> _Reader:
 
 def _read_pressures(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
     values = (parse(value, "pressure") for value in text.split(",")[: state.MOST_UNITS])
-    return replace(view, pressures=tuple(map(_gauge_pressure, values)))
+    return replace(view, pressures=tuple(state.check_value("pressure", x) for x in values))
 
 
 # in this order: the muscle's file has the number of units, and the scenario's its policies
 _READERS: Mapping[str, _Reader] = {
     "muscle": _read_muscle,
     "file": _read_file,
-    "supply": _quantity("supply", "pressure", _supply),
+    "supply": _quantity("supply", "pressure"),
     "units": _read_units,
     "scheme": _choice("scheme", tuple(SCHEMES)),
-    "pressure": _quantity("pressure", "pressure", _gauge_pressure),
-    "strain": _quantity("strain", "strain", _strain),
-    "load": _quantity("load", "force", _load),
+    "pressure": _quantity("pressure", "pressure"),
+    "strain": _quantity("strain", "strain"),
+    "load": _quantity("load", "force"),
     "pressures": _read_pressures,
     "resistance": lambda view, text, _: replace(view, resistance=text != "off"),
     "path": _choice("path", PATHS),

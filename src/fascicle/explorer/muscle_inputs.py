@@ -95,18 +95,14 @@ class LawInputs:
         """Show a `law` with quantities in `units`, by dimension."""
         before, self._law = self._law, law
         if type(law) is not type(before):
-            self.fields = {
-                name: Field(_label_of(name), name, dimension, partial(self._set_constant, name))
-                for name, dimension in ((x.name, x.dimension) for x in law.constants())
-            }
-            self.choices = {
-                switch.name: dropdown(
-                    _label_of(switch.name),
-                    {option.replace("_", " "): option for option in switch.options},
-                    partial(self._choose_option, switch.name),
-                )
-                for switch in law.switches()
-            }
+            self.fields, self.choices = {}, {}
+            for name, dimension in ((x.name, x.dimension) for x in law.constants()):
+                set_value = partial(self._set_constant, name)
+                self.fields[name] = Field(_label_of(name), name, dimension, set_value)
+            for switch in law.switches():
+                options = {option.replace("_", " "): option for option in switch.options}
+                choose = partial(self._choose_option, switch.name)
+                self.choices[switch.name] = dropdown(_label_of(switch.name), options, choose)
             fields = [widget for field in self.fields.values() for widget in field.widgets]
             self._constants.objects = [*fields, *self.choices.values()]
         self.select.value = law.name

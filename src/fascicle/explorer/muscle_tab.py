@@ -1,6 +1,5 @@
 """Tab of one muscle: its force over strain with its parts, and the muscle itself."""
 
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -31,6 +30,7 @@ from .tab import Export, StrainTab
 
 # room for header, sliders and readouts
 _SCENE_HEIGHT = "var(--scene-height, clamp(220px, min(100vh - 500px, 90vw), 900px))"
+_ALPHAS = (0.0, 0.14, 0.20, 0.14)  # of regions' strips
 _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
 # told apart without color
@@ -46,9 +46,8 @@ class MuscleView(StrainTab):
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
         self._label_height = 0.0
-        self._pressure = ui.QuantitySlider(
-            "Pressure P", "pressure", "pressure", lambda value: session.change(pressure=value)
-        )
+        names = "Pressure P", "pressure", "pressure"
+        self._pressure = ui.QuantitySlider(*names, lambda value: session.change(pressure=value))
         self._add_chart()
         self._scene = Scene(colors, "solid", _SCENE_HEIGHT, self.set_strain)
         self.inputs, self._numbers = MuscleInputs(session), ui.wide_pane()
@@ -94,7 +93,6 @@ class MuscleView(StrainTab):
         return muscle_curves(view.muscle, view.pressure, strain, view.supply, self.top)
 
     def _add_chart(self) -> None:
-        """Add the chart of force over strain."""
         colors, labels = self.colors, ("Contraction ε [–]", "Force F [N]")
         chart = self.chart = Chart(colors, *labels, screen_height(270))
         self.strips = chart.add("strips")
@@ -146,12 +144,8 @@ class MuscleView(StrainTab):
         fills = [colors.paper, colors.curves[4], colors.soft, colors.curves[5]]
         strips = region_strips(curves.strain[-1], curves.regions)
         left, right, regions = map(list, zip(*strips, strict=True))
-        self.strips.data = {
-            "left": left,
-            "right": right,
-            "color": [fills[i] for i in regions],
-            "alpha": [(0.0, 0.14, 0.20, 0.14)[i] for i in regions],
-        }
+        shades = {"color": [fills[i] for i in regions], "alpha": [_ALPHAS[i] for i in regions]}
+        self.strips.data = {"left": left, "right": right} | shades
         # a strip too narrow for its name has none, on a phone's 300 pixels too
         names = [
             REGIONS[i] if end - start > _LETTER * len(REGIONS[i]) * self.top else ""
@@ -181,6 +175,8 @@ class MuscleView(StrainTab):
         # the volume is a straight muscle's of this length: no law has that of a bent one
         fluid = "fluid" if curves.region in _STRAIGHT else "fluid, if it were straight"
         length_unit, length_scale = self.unit("length")
+        arm = "m" if length_unit == "mm" else length_unit  # N·m, the field's unit
+        moment = curves.moment / (scale * ui.unit_factor(arm, "length"))
         volume, volume_scale = ui.volume_unit(length_unit)
         rows = {
             "force": force,
@@ -189,15 +185,8 @@ class MuscleView(StrainTab):
             "braid angle": pretty(solid.angle, "angle"),
             "radius": f"{solid.radius / length_scale:.4g} {length_unit}",
             "deflection": f"{curves.deflection / length_scale:.4g} {length_unit}",
-            "bending moment": _bending_moment_text(curves.moment, view.display_units),
+            "bending moment": f"{moment:.4g} {unit}·{arm}",
         }
         if branches := branches_text(curves.strain[-1], curves.branches):
             rows["several equilibria"] = branches
         self._numbers.object = ui.heading("At this point") + ui.readout_table(rows)
-
-
-def _bending_moment_text(moment: float, units: Mapping[str, str]) -> str:
-    """Text of a bending `moment` [N m] in the `units` shown of force and length; in m for mm."""
-    length = "m" if units["length"] == "mm" else units["length"]  # N·m, the field's unit
-    scale = ui.unit_factor(units["force"], "force") * ui.unit_factor(length, "length")
-    return f"{moment / scale:.4g} {units['force']}·{length}"

@@ -113,7 +113,6 @@ class Header:
         self._schedule_address()
 
     def _show(self, view: View) -> None:
-        """Show name, example, units and history of a `view`."""
         name = html.escape(sanitize_line(view.name, 60), quote=True)
         self._title.object = (
             f'<div class="title"><h1 style="font-size:{TITLE}px">fascicle</h1>'

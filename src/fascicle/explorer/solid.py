@@ -85,15 +85,11 @@ def muscle_solid(
 @cache
 def face_corners() -> np.ndarray:
     """Corners of a solid's faces, the tube's then the fittings': rows of four point indices."""
-    faces, first = [], 0
-    for count in (RINGS, 4, 4):
-        for i in range(count - 1):
-            for j in range(AROUND):
-                k = (j + 1) % AROUND
-                a, b = first + i * AROUND, first + (i + 1) * AROUND
-                faces.append((a + j, a + k, b + k, b + j))
-        first += count * AROUND
-    return np.array(faces)
+    # rings with a next one: the last of the tube, and of the first fitting, have none
+    ring = np.delete(np.arange(RINGS + 7), [RINGS - 1, RINGS + 3])
+    a, j = AROUND * ring[:, None], np.arange(AROUND)
+    b, k = a + AROUND, (j + 1) % AROUND
+    return np.stack([a + j, a + k, b + k, b + j], axis=-1).reshape(-1, 4)
 
 
 def _tube_points(flat: Outline, s: np.ndarray, angle: np.ndarray) -> np.ndarray:

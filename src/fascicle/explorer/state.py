@@ -17,6 +17,7 @@ import param
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.module import with_fields
+from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_finite, check_interval
 from ..files import dumps, example, named_muscles
 from ..muscle import Muscle
 from .scenario_setup import Setup
@@ -35,6 +36,14 @@ _ONE_CHANGE = 1.0  # s within which changes of the same fields are one: a slider
 _MOST_UNDONE = 200  # views, which share what they have in common
 # of a muscle without a bundle: the paper's 1 + 4, whose free strain falls at this pressure [Pa]
 _COUNTS, _SECOND_PRESSURE = (1, 4), 60e3
+
+
+# by field: least and largest value [SI], unit, and whether the ends are allowed
+_LIMITS = {
+    "pressure": (0.0, HIGHEST_PRESSURE, "Pa", (True, True)),
+    "supply": (0.0, HIGHEST_PRESSURE, "Pa", (False, True)),
+    "strain": (0.0, LARGEST_STRAIN, "-", (True, True)),
+}
 
 
 @dataclass(frozen=True)
@@ -145,6 +154,15 @@ def shipped_muscle(name: str) -> Muscle:
 def is_shipped(name: str, muscle: Muscle) -> bool:
     """True for the shipped `muscle` of a `name`, unchanged."""
     return name in named_muscles() and muscle == shipped_muscle(name)
+
+
+def check_value(name: str, value: float) -> float:
+    """A `value` [SI] of the view's field with a `name`; `InvalidInputError` out of its limits."""
+    if name == "load":
+        return float(check_finite(value, name, "N"))
+    low, high, unit, closed = _LIMITS[name]
+    why = "(gauge)" if unit == "Pa" else ""
+    return float(check_interval(value, low, high, name, unit, why, closed))
 
 
 def check_units(units: tuple[Unit, ...]) -> None:

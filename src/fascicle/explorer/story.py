@@ -69,7 +69,7 @@ class Story:
             dismiss = button("No, thanks", None)
             dismiss.js_on_click(code="fascicleDismiss()")
             self.panel.insert(0, row(start, dismiss, kind="offer"))
-        session.watch(lambda _, after: self._request_text(after))
+        session.watch(self._request_text)
 
     def start_button(self, label: str, **options: object) -> pn.widgets.Button:
         """A new button with a `label` that starts the story, and dismisses the offer."""
@@ -134,7 +134,7 @@ class Story:
             self._timer.stop()
             self._timer = None
 
-    def _request_text(self, view: View) -> None:
+    def _request_text(self, _: View, view: View) -> None:
         if scene := self.scene:
             self._texts.request(lambda: (scene, scene_text(view, scene)))
 

@@ -295,8 +295,6 @@ class TimeView(Tab):
         if self.result is not None and before.tab != after.tab:
             self._show_frames()
 
-    # runs
-
     def start_run(self) -> None:
         """Run the scenario in a worker process."""
         view = self.session.view
@@ -341,10 +339,7 @@ class TimeView(Tab):
         runs = {run.policy: run for run in self.result.runs}
         return runs.get(self.drawn.value, self.result.runs[0])
 
-    # the result
-
     def _show_runs(self) -> None:
-        """Show notes, charts, drawing and table of the result, if there is one."""
         result = self.result
         if result is None:
             return
@@ -440,7 +435,6 @@ class TimeView(Tab):
         return _curves([total - total[0] for total in totals], styles)
 
     def _show_frames(self) -> None:
-        """Send the drawing, and the numbers beside it."""
         run, colors, drawing = self.drawn_run, self.colors, self.drawn_run.drawing
         frames, units = len(run.rows), drawing.states.shape[1]
         pressure_unit, pressure = self.unit("pressure")

@@ -381,8 +381,5 @@ def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def html_legend(curves: Sequence[tuple[str, str, str]]) -> str:
     """A legend that wraps: name, color and CSS line style of each of the `curves`."""
-    entries = "".join(
-        f'<span><i style="border-top-style:{line};border-top-color:{color}"></i>{name}</span>'
-        for name, color, line in curves
-    )
-    return f'<div class="legend">{entries}</div>'
+    form = '<span><i style="border-top-style:{2};border-top-color:{1}"></i>{0}</span>'
+    return f'<div class="legend">{"".join(form.format(*curve) for curve in curves)}</div>'

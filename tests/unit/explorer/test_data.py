@@ -47,21 +47,13 @@ def enabled(tab):
     return has_readings, not tab.calibrate.disabled, not tab.empty_state.visible
 
 
-def test_a_record_enables_the_tab(tab):
+@pytest.mark.parametrize(
+    ("raw", "expected"), [(HEAD + b"100,0,40\n100,-0.2,40\n", "-0.2"), (b"", "bad.csv")]
+)
+def test_a_refused_file_drops_the_earlier_record(tab, raw, expected):
     assert enabled(tab) == (False,) * 3
     send(tab, GOOD)
     assert enabled(tab) == (True,) * 3
-
-
-@pytest.mark.parametrize(
-    ("raw", "expected"),
-    [
-        (HEAD + b"100,0,40\n100,-0.2,40\n", "-0.2"),
-        (b"", "bad.csv"),
-    ],
-)
-def test_a_refused_file_drops_the_earlier_record(tab, raw, expected):
-    send(tab, GOOD)
     tab.table.object = tab.fit_notes.object = "a fit"
     for button in (tab.use, *tab.saves):
         button.disabled = False
@@ -100,16 +92,11 @@ def test_readings_are_read_and_have_curves():
     assert curves.force[1] == pytest.approx(force, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("raw", "limit"),
-    [
-        (b"x" * (LARGEST_FILE + 1), LARGEST_FILE),
-        (HEAD + b"100,0,20\n" * (MOST_ROWS + 1), MOST_ROWS),
-    ],
-)
-def test_a_large_file_is_refused_with_its_limit(raw, limit):
-    with pytest.raises(ValueError, match=str(limit)):
-        read_record(raw, "d.csv", MUSCLE)
+def test_a_large_file_is_refused_with_its_limit():
+    rows = HEAD + b"100,0,20\n" * (MOST_ROWS + 1)
+    for raw, limit in ((b"x" * (LARGEST_FILE + 1), LARGEST_FILE), (rows, MOST_ROWS)):
+        with pytest.raises(ValueError, match=str(limit)):
+            read_record(raw, "d.csv", MUSCLE)
 
 
 def test_spreadsheets_and_mat_files_are_read_within_limits(tmp_path):

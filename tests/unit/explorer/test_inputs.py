@@ -127,6 +127,14 @@ def test_an_impossible_constant_is_refused_at_its_field(page):
     assert session.view is before
 
 
+def test_a_radius_out_of_range_is_refused_in_the_units_shown(rows):
+    inputs, session = rows
+    radius = inputs.rows[1].radius
+    radius.input.value = "200 mm"
+    assert "0.635 mm to 63.5 mm" in radius.message.text and "200 mm" in radius.message.text
+    assert session.view is BUNDLE
+
+
 @pytest.mark.parametrize("count", [100, 0, None])
 def test_impossible_counts_are_refused(count, rows):
     rows, session = rows

@@ -37,16 +37,12 @@ def test_a_view_comes_back_from_its_address():
     assert dumps(result.bundle) == dumps(view.bundle)
 
 
-def test_a_changed_muscle_is_in_the_address_itself():
-    query = to_query(OWN_MUSCLE)
-    assert "muscle" not in query
-    assert dumps(read(query).muscle) == dumps(OWN_MUSCLE.muscle)
-
-
-def test_unequal_muscles_are_in_the_address():
+def test_changed_and_unequal_muscles_are_in_the_address_itself():
     other = fs.example("kim2021_slenderness_10").replace(length=0.127)
-    view = replace(SIX, units=(Unit(1), Unit(2, own=other)))
-    assert dumps(read(to_query(view)).bundle) == dumps(view.bundle)
+    for view in (OWN_MUSCLE, replace(SIX, units=(Unit(1), Unit(2, own=other)))):
+        query = to_query(view)
+        assert "muscle" not in query
+        assert dumps(read(query).bundle) == dumps(view.bundle)
 
 
 def test_the_length_of_a_fit_comes_back():
@@ -69,7 +65,8 @@ def test_the_length_of_a_fit_comes_back():
      {"supply": "1e-400 Pa"}, {"units": "1,x"}, {"units": "99999"}, {"units": "9" * 5000},
      {"units": "1@nan"}, {"units": "-1,2"}, {"units": "1," * 9 + "1"},
      {"pressures": "9" * 5000, "units": "1"}, {"scheme": "<script>"}, {"show": "furlong,mm,N"},
-     {"tab": "x"}],
+     {"tab": "x"}, {"scenario": "lift"}, {"policies": "threshold", "scenario": "lift_gas"},
+     {"scenario": "mine", "scenario_file": "AAAA"}],
     ids=str,
 )  # fmt: skip
 def test_a_bad_key_gives_a_message_and_the_other_keys_are_read(query):
@@ -83,7 +80,7 @@ def test_a_bad_key_gives_a_message_and_the_other_keys_are_read(query):
 def test_a_bomb_is_not_inflated(size):
     bomb = base64.urlsafe_b64encode(zlib.compress(b"#" * size, 9)).decode().rstrip("=")
     assert len(bomb) < LONGEST
-    with pytest.raises(ValueError, match="must hold at most 32000 bytes"):
+    with pytest.raises(ValueError, match="32000"):
         unpack(bomb)
 
 
@@ -152,4 +149,4 @@ def test_a_bundle_opens_with_its_units_and_a_muscle_as_two():
     view = view_of(fs.example("kim2021_bundle_1_4"), "b")
     assert [unit.count for unit in view.units] == [1, 4]
     assert view.supply == pytest.approx(413.7e3)
-    assert len(SIX.units) == 2
+    assert [unit.count for unit in SIX.units] == [1, 4] and SIX.pressures == (413.7e3, 60e3)

@@ -90,6 +90,9 @@ def test_pictures_and_data_of_a_tab_are_downloaded(tab):
         force = SIX.muscle.force(SIX.pressure, rows["strain_[-]"])
         np.testing.assert_allclose(rows["force_[N]"], force, rtol=1e-9, atol=1e-9)
     assert rows.size > 10
+    if tab in ("muscle", "bundle"):
+        name, raw = page.header._web_page()
+        assert name == "kim2021_figure_6_page.html" and b"</html>" in raw
 
 
 @pytest.mark.parametrize("tab", TABS[2:])
@@ -102,17 +105,8 @@ def test_nothing_to_download_is_said_on_the_page(tab):
     assert page.header.message.text
 
 
-def test_the_web_page_has_the_table_of_the_muscle_or_bundle():
-    for tab in ("muscle", "bundle"):
-        name, raw = Page(Session(replace(SIX, tab=tab))).header._web_page()
-        assert name == "kim2021_figure_6_page.html" and b"</html>" in raw
-
-
-@pytest.mark.parametrize(
-    "target", ["kim2021_figure_6", fs.example("kim2021_figure_6")], ids=["by name", "a muscle"]
-)
-def test_sliders_of_a_cell_move_the_curve(target):
-    layout = panel(target)
+def test_sliders_of_a_cell_move_the_curve():
+    layout = panel("kim2021_figure_6")
     (tabs,) = layout.select(pn.Tabs)
     assert len(tabs) == len(TABS)
     sliders = layout.select(pn.widgets.FloatSlider)
@@ -127,8 +121,9 @@ def test_sliders_of_a_cell_move_the_curve(target):
     np.testing.assert_allclose(curve.data["force"], expected, rtol=1e-9, atol=1e-9)
 
 
-def test_a_cell_of_a_bundle_and_of_an_unknown_name():
-    assert panel(fs.example("kim2021_bundle_1_1"), theme="dark").select(pn.Tabs)
+def test_a_cell_of_a_muscle_of_a_bundle_and_of_an_unknown_name():
+    for name in ("kim2021_figure_6", "kim2021_bundle_1_1"):
+        assert panel(fs.example(name), theme="dark").select(pn.Tabs)
     with pytest.raises(OSError, match="kim2021_figure_66"):
         panel("kim2021_figure_66")
 

@@ -108,11 +108,3 @@ def test_undo_stays_in_the_story_which_leaves_no_step():
     assert session.view == own and session.can_undo
     session.undo()
     assert session.view == VIEW
-
-
-def test_a_muscle_without_a_bundle_opens_where_the_reversal_shows():
-    assert [unit.count for unit in VIEW.units] == [1, 4]
-    assert VIEW.pressures == (413.7e3, 60e3)
-    bundle = VIEW.bundle
-    fall = float(bundle.free_strain([413.7e3, 0.0])) - float(bundle.free_strain(VIEW.pressures))
-    assert fall > 0.005  # of strain

@@ -46,9 +46,6 @@ def tab(result):
     return view
 
 
-# the setup
-
-
 def test_a_change_keeps_every_other_key_and_comment():
     setup = Setup("ramp_1_4").with_value("valve.C.1", 5e-9).with_value("supply.pressure", 4e5)
     before, after = example_text("ramp_1_4"), setup.text("threshold")
@@ -77,16 +74,6 @@ def test_a_link_holds_the_setup_and_a_visitors_file():
 
 
 @pytest.mark.parametrize(
-    "query",
-    [{"scenario": "lift"}, {"scenario": "lift_gas", "policies": "threshold"},
-     {"scenario": "mine", "scenario_file": "AAAA"}],
-)  # fmt: skip
-def test_a_bad_link_is_refused_by_its_key(query):
-    view, _, errors = from_query(query, START)
-    assert len(errors) == 1 and view.setup.values == ()
-
-
-@pytest.mark.parametrize(
     ("change", "message"),
     [
         (("kim2021_bundle_1_4", "../secret.toml"), "another file"),
@@ -111,9 +98,6 @@ def test_the_pages_bundle_runs_in_place_of_a_scenarios():
         assert (len(units) == 5) == setup.takes_bundle
     plain = replace(Setup(NAME), page_bundle=False)
     assert plain.text(bundle=five) == plain.text() == example_text(NAME)
-
-
-# the numbers
 
 
 @pytest.mark.parametrize(
@@ -184,15 +168,6 @@ def test_the_drawing_is_the_laws(result):
     assert [unit for unit, _ in run.drawing.muscles] == [0, 1, 1, 1, 1]
 
 
-def test_pictures_and_table_of_a_run_are_downloaded(tab, result):
-    export = tab.export()
-    assert export.content("svg").startswith(b"<?xml")
-    assert export.content("csv").decode() == tab.drawn_run.table.to_csv()
-
-
-# jobs
-
-
 def test_jobs_that_end_together_and_a_process_that_dies_leave_the_next_ones_alone():
     with ThreadPoolExecutor(2) as threads:
         roots = threads.map(lambda x: run_job(math.sqrt, x), [float(x) for x in range(40)])
@@ -216,11 +191,8 @@ def test_a_canceled_run_is_not_shown(tab, monkeypatch):
 
 def test_a_long_run_is_refused():
     text = example_text("lift_gas").replace('"6 s"', '"60 s"')
-    with pytest.raises(ValueError, match=r"20000 steps here, got 60000"):
+    with pytest.raises(ValueError, match="60000"):
         time_run.run_policies(text, "long.toml", ())
-
-
-# the page
 
 
 def test_the_explorer_starts_without_jax():
