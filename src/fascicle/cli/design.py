@@ -175,7 +175,7 @@ def _json(answer: "fs.design.Answer", notes: tuple[str, ...]) -> str:
     import numpy as np
 
     from ..core.findings import Severity
-    from ..report.design_summary import words
+    from ..report.design_summary import assumptions, words
     from ..results.labelled import to_json
 
     result, summary, is_recommended = answer.result, answer.summary, answer.is_recommended
@@ -200,7 +200,7 @@ def _json(answer: "fs.design.Answer", notes: tuple[str, ...]) -> str:
             "least_probability": safety.uncertainty.share,
             "draws": safety.uncertainty.draws,
             "judged": safety.judged,
-            "assumptions": safety.uncertainty.assumptions,
+            "assumptions": assumptions(safety.uncertainty),
         }
     if (sizing := summary.sizing) is not None:
         run = answer.run

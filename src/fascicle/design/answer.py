@@ -43,7 +43,7 @@ class Remedy:
     `what`: "supply_pressure" [Pa], "muscles", "radius" [m], "braid_angle" [rad] or "length" [m];
     `now`: its present value; `value`: the sufficient one, `None` if there is none; `most`: the end
     of the range that was tried; `reaches`: true if a value in the range reaches the task at least
-    as drawn; `measured`: the pressure that the muscles' tuning was measured up to [Pa].
+    as drawn.
     """
 
     what: str
@@ -51,7 +51,6 @@ class Remedy:
     value: float | None
     most: float
     reaches: bool = True
-    measured: float = np.inf
 
 
 def remedies(
@@ -80,13 +79,10 @@ def remedies(
         ranges["braid_angle"] = float(design.angle.max()), float(_STEEPEST)
     if task.stroke is not None:
         ranges["length"] = float(design.length[0]), _LONGEST
-    pressures = np.asarray(design.drawing(0).tuning.pressures)
-    measured = float(pressures.max()) if pressures.size > 1 else np.inf
-    changes = [
+    return [
         _smallest_change(design, task, what, *ends, limits, uncertainty)
         for what, ends in ranges.items()
     ]
-    return [replace(remedy, measured=measured) for remedy in changes]
 
 
 def _apply_change(

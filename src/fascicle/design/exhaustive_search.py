@@ -87,9 +87,9 @@ class SearchResult:
 
     def all_designs(self, rows: Rows) -> Designs:
         """Recorded designs, by their indices."""
-        return (
-            self.space.at(self.index[rows]) if self.unlisted is None else self.unlisted.take(rows)
-        )
+        if self.unlisted is not None:
+            return self.unlisted.take(rows)
+        return self.space.at(self.index[rows])
 
     @cached_property
     def designs(self) -> Designs:
@@ -179,7 +179,7 @@ def search(
     senses: Mapping[str, str] | None = None,
     limits: Limits | None = None,
     extra: tuple[str, ...] = (),
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] = lambda *_: None,
     catalog: Catalog | None = None,
     least_margin: float = LEAST_MARGIN,
 ) -> SearchResult:
@@ -204,8 +204,7 @@ def search(
     for block in slices(size, _BLOCK):
         index = np.arange(size)[block]
         blocks.append(evaluate(space.at(index), task, names))
-        if progress is not None:
-            progress(int(index[-1]) + 1, size)
+        progress(int(index[-1]) + 1, size)
     values = {name: np.concatenate([block[name] for block in blocks]) for name in names}
     return conclude(space, task, senses, limits, values, extra, catalog, least_margin)
 

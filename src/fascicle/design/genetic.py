@@ -94,7 +94,7 @@ def evolve(
     generations: int = 100,
     seed: int = 0,
     continuous: bool = True,
-    watch: Callable[[int], None] | None = None,
+    watch: Callable[[int], None] = lambda _: None,
     extra: tuple[str, ...] = (),
     catalog: Catalog | None = None,
     least_margin: float = LEAST_MARGIN,
@@ -134,13 +134,12 @@ def evolve(
     n_limits = 1 + len(other_limits(limits))
     problem = Search(decoder.genes, n_obj=len(senses), n_ieq_constr=n_limits, xl=0.0, xu=1.0)
     algorithm = NSGA2(pop_size=population)
-
-    def report(search: Any) -> None:
-        if watch is not None:
-            watch(search.n_iter)
-
     run: Any = minimize
-    end = run(problem, algorithm, ("n_gen", generations), callback=report, seed=seed)
+    end = run(
+        *(problem, algorithm, ("n_gen", generations)),
+        callback=lambda search: watch(search.n_iter),
+        seed=seed,
+    )
     designs = decoder.designs(np.asarray(end.pop.get("X"), float))
     # the end result has the resolution of an exhaustive search
     values = evaluate(designs, task, objectives.recorded_objectives(senses, limits, extra))

@@ -108,18 +108,6 @@ class Uncertainty:
     share: float = USUAL_SHARE
     basis: str = "assumed, as the muscle isn't calibrated"
 
-    @property
-    def assumptions(self) -> str:
-        """Standard deviations in a line."""
-        scatter = self.scatter
-        text = (
-            f"length {100 * scatter.length:.3g} %, wall {100 * scatter.wall_thickness:.3g} %,"
-            f" braid angle {np.degrees(scatter.braid_angle):.3g}°,"
-            f" all forces {100 * scatter.model_error:.3g} % ({self.basis})"
-        )
-        covariance = ", constants by the calibration's covariance"
-        return text if self.muscles is None else text + covariance
-
 
 @dataclass(frozen=True, eq=False)
 class Safety:

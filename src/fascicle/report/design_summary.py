@@ -15,6 +15,7 @@ from ..design.cycle import BAND, WIDEST_BORE, CycleRun
 from ..design.designs import Designs, label
 from ..design.exhaustive_search import SearchResult
 from ..design.objectives import BY_WEIGHT, OBJECTIVES, allowed_miss_fraction
+from ..design.scatter import Uncertainty
 from ..design.summary import STANDARD_GRAVITY, Summary
 from ..units import DIMENSIONS, format_digits, pretty
 
@@ -93,6 +94,16 @@ def _composition(summary: Summary) -> str:
     return f"{muscles} in {summary.valves} {units}"
 
 
+def assumptions(uncertainty: Uncertainty) -> str:
+    """Standard deviations of random draws in a line."""
+    scatter, covariance = uncertainty.scatter, ", constants by the calibration's covariance"
+    return (
+        f"length {percent(scatter.length)}, wall {percent(scatter.wall_thickness)}, braid angle"
+        f" {np.degrees(scatter.braid_angle):.3g}°, all forces {percent(scatter.model_error)}"
+        f" ({uncertainty.basis}){covariance if uncertainty.muscles is not None else ''}"
+    )
+
+
 def headline(answer: Answer) -> list[str]:
     """First sentences: what to take, how safe it is, and why; or that nothing is recommended."""
     result, summary, safety = answer.result, answer.summary, answer.result.safety
@@ -108,7 +119,7 @@ def headline(answer: Answer) -> list[str]:
         lines.append(
             f"safety: holds in {percent(safety.probability)} of {judged.draws} draws of scatter"
             f" ({percent(judged.share)} needed); margin {percent(safety.low_margin)} at the 5th"
-            f" percentile; standard deviations: {judged.assumptions}."
+            f" percentile; standard deviations: {assumptions(judged)}."
         )
     objectives = ", ".join(map(objective_label, result.senses))
     reason = f"It is the best compromise of {objectives} among {designs}."
@@ -375,8 +386,10 @@ def _remedy_text(remedy: Remedy, answer: Answer) -> str:
         return f"{name}: {remedy.value:.0f} of this size instead of {remedy.now:.0f} ({units})."
     sufficient = _rounded(remedy.value, dimension, remedy.value >= remedy.now)
     text = f"{name}: {sufficient} instead of {pretty(remedy.now, dimension)}"
-    if remedy.what == "supply_pressure" and remedy.value > remedy.measured:
-        measured = pretty(remedy.measured, dimension)
+    pressures = answer.result.all_designs(np.array([answer.index])).drawing(0).tuning.pressures
+    is_table = remedy.what == "supply_pressure" and pressures.size > 1
+    if is_table and remedy.value > pressures.max():
+        measured = pretty(float(pressures.max()), dimension)
         text += f", above the {measured} up to which the tuning was measured"
     return f"{text}{', walls in proportion' * (remedy.what == 'radius')}."
 
