@@ -219,7 +219,19 @@ def test_a_sweep_and_its_front(fascicle, written, tmp_path):
 def test_missing_scheduler_is_one_line(fascicle, written):
     pytest.importorskip("distributed", reason="needs the extra `sweep`")
     code, _, err = fascicle("sweep", "task.toml", "--scheduler", "nowhere://x")
-    assert code == 1 and "nowhere://x" in err and err.count("\n") == 1
+    assert code == 2 and "nowhere://x" in err and err.count("\n") == 1
+    assert not written.with_name("swept-task").exists()
+
+
+@pytest.mark.parametrize("line", ["design task.toml --out d", "force kim2021_figure_6 --out f.csv"])
+def test_a_result_that_cannot_be_written_is_printed(fascicle, written, monkeypatch, line):
+    def fill(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("fascicle.io.atomic.write_folder", fill)
+    monkeypatch.setattr("fascicle.io.atomic.open_replacement", fill)
+    code, out, err = fascicle(*line.split(), "--json")
+    assert (code, json.loads(out) != {}) == (2, True) and "No space left" in err
 
 
 def test_continuous_sizes(fascicle, written, tmp_path):

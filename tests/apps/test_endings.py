@@ -125,13 +125,14 @@ def test_a_closed_pipe_is_quiet():
         assert process.wait() == 1
 
 
-def test_a_missing_device_is_one_line():
+@pytest.mark.parametrize("platform", ["nobody", "cuda"])
+def test_a_missing_device_is_one_line(platform):
     done = subprocess.run(
         [sys.executable, "-m", "fascicle", "simulate", "lift_gas"], capture_output=True, text=True,
-        env=ENVIRONMENT | {"JAX_PLATFORMS": "nobody"},
+        env=ENVIRONMENT | {"JAX_PLATFORMS": platform},
     )  # fmt: skip
     assert done.returncode == 2 and done.stderr.count("\n") == 1
-    assert "JAX_PLATFORMS=nobody" in done.stderr
+    assert f"JAX_PLATFORMS={platform}" in done.stderr
 
 
 def test_a_message_has_an_end(refused, tmp_path):

@@ -18,7 +18,7 @@ from . import options
 from .errors import INCOMPLETE, UserError, user_errors
 from .inputs import load_laws
 from .options import Text, argument, flag, option
-from .outputs import SOURCE, check_file, replace_output, result_folder, today
+from .outputs import SOURCE, check_file, replace_output, result_folder, shown_if_lost, today
 from .terminal import print_line, print_table, status
 
 
@@ -80,9 +80,16 @@ def design(
             result = fs.design.evolve(*problem, population, generations, seed, **common)
         answer = _judge(result, file, update)
     seconds = time.perf_counter() - begin
+
+    def show() -> None:
+        if as_json:
+            print(_json(answer, file.notes))
+        else:
+            _print_answer(answer, file.notes)
+
     names: list[str] = []
     if folder is not None:
-        with status("drawing the report"):
+        with shown_if_lost(show), status("drawing the report"):
             names = _write(answer, file.notes, seconds, folder, overwrite)
     if plot is not None:
         from ..report.design import sheet
@@ -90,14 +97,9 @@ def design(
         with replace_output("--plot", plot, overwrite) as draft:
             page = sheet(answer, today(), file.notes)
             draft.write_bytes(fs.plot.to_bytes(page, draft.suffix.lower()[1:]))
-    if as_json:
-        print(_json(answer, file.notes))
-    else:
-        _print_answer(answer, file.notes)
-        if folder is not None:
-            print_line(
-                f"wrote {folder / names[0]} with all details and {len(names) - 1} more files"
-            )
+    show()
+    if folder is not None and not as_json:
+        print_line(f"wrote {folder / names[0]} with all details and {len(names) - 1} more files")
     return 0 if answer.is_recommended else INCOMPLETE
 
 
@@ -258,6 +260,10 @@ def sweep(
         task = load_task(study)
         names = recorded_objectives(task.senses, with_reach_limits(task.limits))
         designs = sweeps.Study(task.space, task.task, names, task.block)
+    with user_errors("" if scheduler is None else "--scheduler "):
+        if scheduler is not None:  # before a folder is made
+            sweeps.check_scheduler(scheduler)
+    with user_errors("--out "):
         path, front = sweeps.open_folder(folder, designs, resume), folder / "front.nc"
         check_file("--out", front, overwrite or resume)
     hint = f"the finished blocks are in {folder}: continue with --resume."

@@ -50,7 +50,7 @@ def exit_code_and_message(error: Exception) -> tuple[int, str]:
     and a closed pipe; raises the error if it is a bug and `FASCICLE_TRACEBACK` is set.
     """
     if isinstance(error, UserError):
-        return error.code, str(error)
+        return error.code, _resource_message(error) or str(error)
     if isinstance(error, typer.Abort):
         return 128 + signal.SIGINT, ""
     if isinstance(error, BrokenPipeError):
@@ -85,7 +85,8 @@ def _resource_message(error: Exception) -> str:
     text, platforms = str(error), os.environ.get("JAX_PLATFORMS", "")
     if (figures := os.environ.get("MPLBACKEND", "")) and f"{figures!r} is not a valid" in text:
         return f"MPLBACKEND={figures}: matplotlib has no such backend; unset it, or write agg."
-    if platforms and "backend" in text:  # JAX's words on a platform that it doesn't find
+    # JAX's words on a platform that it doesn't find, or none
+    if platforms and ("backend" in text or (isinstance(error, AssertionError) and not text)):
         return f"JAX_PLATFORMS={platforms}: JAX finds no such device; unset it, or write cpu."
     if not isinstance(error, MemoryError) and "RESOURCE_EXHAUSTED" not in text:  # XLA's status
         return ""

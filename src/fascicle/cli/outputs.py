@@ -47,6 +47,16 @@ def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> Non
         draft.write_text(text, encoding="utf-8", newline="\n")
 
 
+@contextlib.contextmanager
+def shown_if_lost(show: Callable[[], None]) -> Iterator[None]:
+    """Context that writes a result; `show` prints it if that fails, so that no work is lost."""
+    try:
+        yield
+    except UserError:
+        show()
+        raise
+
+
 def write_picture(option: str, path: str | Path, overwrite: bool, figure: Any) -> None:
     """Write a `figure`, whole or not at all, as the file's suffix says."""
     with replace_output(option, path, overwrite) as draft:
@@ -104,7 +114,15 @@ class Outputs:
         """Write the files, then print; `table` prints for a reader, `figure` returns --plot's."""
         from ..results import labelled
 
-        with status("writing the result") as update:
+        def show() -> None:
+            if self.as_json:
+                print(labelled.to_json(variables))
+            elif self.as_csv:
+                sys.stdout.write(labelled.to_csv(variables))
+            else:
+                table()
+
+        with shown_if_lost(show), status("writing the result") as update:
             if self.out is not None:
                 attributes = {"notes": notes} if notes else {}
                 is_own = labelled.is_zarr if Path(self.out).suffix.lower() == ".zarr" else None
@@ -115,11 +133,7 @@ class Outputs:
                 with user_errors():
                     drawn = figure()
                 write_picture("--plot", self.plot, self.overwrite, drawn)
-        if self.as_json:
-            print(labelled.to_json(variables))
-        elif self.as_csv:
-            sys.stdout.write(labelled.to_csv(variables))
-        else:
-            table()
+        show()
+        if not (self.as_json or self.as_csv):
             for path in filter(None, (self.out, self.plot)):
                 print_line(f"wrote {path}")

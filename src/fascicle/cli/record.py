@@ -5,6 +5,7 @@ import math
 import re
 import textwrap
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,7 +21,7 @@ from . import options
 from .errors import UserError, user_errors
 from .inputs import check_grid, load_laws, read_list, read_muscle
 from .options import Command, Text, Texts, argument, complete_target, flag, option, with_options
-from .outputs import check_file, result_folder, today, write_text
+from .outputs import check_file, result_folder, shown_if_lost, today, write_text
 from .terminal import print_line, print_table, print_written, status
 
 
@@ -164,7 +165,7 @@ def record(
     as_json: options.Json = False,
 ) -> None:
     """Make a synthetic record of a muscle on a virtual dynamometer."""
-    check_file("--out", out, overwrite)  # it may be a measurement
+    check_file("--out", out, overwrite, (".json", ".csv"))  # it may be a measurement
     settings: dict[str, Any] = {**machine._asdict(), "both_ways": not one_way}
     if pressure is not None:
         settings["pressures"] = read_list(pressure, "pressure", "--pressure")
@@ -284,7 +285,7 @@ def calibrate(
     settings = {"loss": loss, "starts": starts, "seed": seed}
     with user_errors(), status("reading") as update:
         from ..calibrate import intervals
-        from ..report.calibration import CalibrationResult, output_files, summary
+        from ..report.calibration import CalibrationResult, output_files
 
         priors = _read_priors(prior_texts, start, names)
         choice = None
@@ -311,9 +312,10 @@ def calibrate(
             fitting.sample(fit_result, seed=seed) if posterior else None,
             _compare(fit_result, start, priors, settings) if compare else None,
         )
+    show = partial(_show, result, as_json, verbose)
     content: dict[str, bytes] = {}
     if folder is not None:
-        with status("drawing the report"), user_errors("--out "):
+        with shown_if_lost(show), status("drawing the report"), user_errors("--out "):
             content = output_files(result, today(), notebook)
 
             def fill(draft: Path) -> None:
@@ -321,13 +323,20 @@ def calibrate(
                     (draft / name).write_bytes(raw)
 
             atomic.write_folder(folder, fill, overwrite)
+    show()
+    if folder is not None and not as_json:
+        print_written(folder, list(content), verbose)
+
+
+def _show(result: "CalibrationResult", as_json: bool, verbose: bool) -> None:
+    """Print a calibration for a reader, or as JSON."""
+    from ..report.calibration import summary
+
     if as_json:
         # numbers that JSON lacks, NaN and infinity, are null
         print(dump_json(json.loads(dump_json(summary(result)), parse_constant=lambda _: None)))
-        return
-    _print_calibration(result, verbose)
-    if folder is not None:
-        print_written(folder, list(content), verbose)
+    else:
+        _print_calibration(result, verbose)
 
 
 def read_start(target: str | None, sizes: Start) -> "fs.Muscle":

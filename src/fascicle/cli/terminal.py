@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _MAX_LINE = 2000  # characters of a line with foreign text, such as file names
 _MAX_NAMES = 2  # files of a kind that are named; more are counted
+_USUAL_WIDTH = 80
 _MAX_WIDTH = 10**5  # characters of a table's line in a file: no limit in practice
 
 
@@ -40,6 +41,8 @@ def _console() -> "Console":
     console = Console(file=sys.stdout, highlight=False, markup=False)
     if not console.is_terminal and not os.environ.get("COLUMNS"):
         console.width = _MAX_WIDTH
+    if console.width < 1:  # a terminal that doesn't know
+        console.width = _USUAL_WIDTH
     return console
 
 

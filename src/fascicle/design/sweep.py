@@ -10,6 +10,7 @@ import contextlib
 import copy
 import itertools
 import logging
+import re
 import signal
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -180,9 +181,6 @@ def open_client(scheduler: str | None, workers: int | None) -> Iterator["Client 
                 with _without_interrupts():
                     cluster = LocalCluster(n_workers=workers, security=True, **options)
                 stack.enter_context(cluster)
-            else:  # a client that can't connect logs errors until this process ends
-                logging.getLogger("distributed").setLevel(logging.CRITICAL)
-                asyncio.run(_try_connection(scheduler))
             client = Client(cluster, timeout=_CONNECTION_TIME, set_as_default=False)
             stack.enter_context(client)
             client.wait_for_workers(1, timeout=_QUEUE_TIME)
@@ -192,8 +190,21 @@ def open_client(scheduler: str | None, workers: int | None) -> Iterator["Client 
         yield client
 
 
+def check_scheduler(address: str) -> None:
+    """Refuse an `address` at which no scheduler of Dask answers: a client would wait for ever."""
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs until this process ends
+    match = re.fullmatch(r"((tcp|tls)://)?([\w.-]+|\[[\da-f:.]+\]):(\d{1,5})", address, re.ASCII)
+    if match is None or not 0 < int(match[4]) < 1 << 16:
+        raise ValueError(f"{address!r}: must be an address such as tcp://127.0.0.1:8786.")
+    try:
+        asyncio.run(_try_connection(address))
+    except (RuntimeError, OSError, TypeError, ValueError, TimeoutError) as error:
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise ValueError(f"{address}: {reason}.") from None
+
+
 async def _try_connection(scheduler: str) -> None:
-    """Raise an error if no `scheduler` answers at its address: a client would wait for ever."""
+    """Raise an error if no `scheduler` answers at its address."""
     from distributed import Security
     from distributed.comm.core import connect
 

@@ -10,8 +10,10 @@ import fnmatch
 import io
 import json
 import os
+import re
 import subprocess
 import sys
+import zipfile
 from collections.abc import Collection, Iterable, Iterator
 from itertools import zip_longest
 from typing import Any
@@ -36,6 +38,8 @@ _REMEDIES = {
 _LIBRARIES = {"xlsx": "openpyxl", "tdms": "nptdms", "mat": "scipy"}
 _TIME = 60  # s of a reader: a million cells of a sheet take ten
 _MEMORY = 2**30  # bytes
+_MAX_ERROR = 200  # characters of a library's message
+_LONGEST_FORMAT = 255  # characters of a number's format, Excel's own limit
 _MAX_CELLS = 5_000_000  # of a file: their text is some 100 MB
 _MAX_ROWS = 2**20  # of a sheet, Excel's own limit: a cell far below makes as many empty rows
 
@@ -102,8 +106,9 @@ def _read_apart(kind: str, raw: bytes, source: str) -> dict[str, bytes]:
     except subprocess.TimeoutExpired:
         answer = {"error": f"it takes longer than {_TIME} s"}
     if "error" in answer:
-        remedy = "save it again, for .mat with save(…, '-v7'), or export its readings as CSV"
-        raise ValueError(f"{source}: can't be read as .{kind}: {answer['error']}: {remedy}.")
+        again = "save it again with save(…, '-v7')" if kind == "mat" else "save it again"
+        fault = f"can't be read as .{kind}: {answer['error'][:_MAX_ERROR]}"
+        raise ValueError(f"{source}: {fault}: {again}, or export its readings as CSV.")
     return {name: text.encode() for name, text in answer["tables"].items()}
 
 
@@ -121,6 +126,11 @@ def _read_sheets(raw: bytes) -> dict[str, str]:
                 value = value * 100 if "%" in cell.number_format else value
             yield "" if value is None else " ".join(str(value).split()).replace('"', "")
 
+    with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+        styles = archive.read("xl/styles.xml") if "xl/styles.xml" in archive.namelist() else b""
+    # a search for dates in longer ones takes minutes
+    if re.search(rb'formatCode="[^"]{%d}' % (_LONGEST_FORMAT + 1), styles):
+        raise ValueError(f"a number's format has more than {_LONGEST_FORMAT} characters")
     tables, count = {}, 0
     for sheet in load_workbook(io.BytesIO(raw), data_only=True, read_only=True).worksheets:
         sheet.reset_dimensions()  # programs write wrong ones
@@ -163,6 +173,8 @@ def _read_variables(raw: bytes) -> dict[str, str]:
     content = loadmat(io.BytesIO(raw), squeeze_me=True)
     arrays = {key: np.asarray(value) for key, value in content.items() if key[:2] != "__"}
     numbers = {key: value for key, value in arrays.items() if value.dtype.kind in "fiub"}
+    if several := [f"`{key}`" for key, value in arrays.items() if value.dtype.kind == "c"]:
+        raise ValueError(f"{several[0]} has complex numbers, save their real part")
     if sum(value.size for value in numbers.values()) > _MAX_CELLS:
         raise ValueError(f"more than {_MAX_CELLS} numbers")
     tables = {key: _text(value.T) for key, value in numbers.items() if value.ndim == 2}

@@ -11,7 +11,14 @@ import numpy as np
 import pytest
 
 from fascicle.design import Space, Study, Task, evaluate
-from fascicle.design.sweep import DATA, missing_blocks, open_client, open_folder, sweep
+from fascicle.design.sweep import (
+    DATA,
+    check_scheduler,
+    missing_blocks,
+    open_client,
+    open_folder,
+    sweep,
+)
 
 
 zarr = pytest.importorskip("zarr", reason="needs the extra `sweep`")
@@ -117,10 +124,12 @@ def test_a_folder_with_other_content_is_refused(study, tmp_path):
         open_folder(tmp_path, study, resume=True)
 
 
-@pytest.mark.parametrize("address", ["nowhere://x", ""])
+@pytest.mark.parametrize(
+    "address", ["nowhere://x:1", "", "tcp://", "ws://localhost:80", "tcp://localhost:99999"]
+)
 def test_an_impossible_scheduler_is_one_line(address):
-    with pytest.raises(ConnectionError) as raised, open_client(address, None):
-        pass
+    with pytest.raises(ValueError, match="must be an address") as raised:
+        check_scheduler(address)
     assert "\n" not in str(raised.value)
 
 
@@ -128,8 +137,8 @@ def test_a_port_that_never_answers_is_no_scheduler(monkeypatch):
     monkeypatch.setattr("fascicle.design.sweep._CONNECTION_TIME", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        with pytest.raises(ConnectionError) as raised, open_client(address, None):
-            pass
+        with pytest.raises(ValueError, match="no Dask scheduler") as raised:
+            check_scheduler(address)
     assert address in str(raised.value)
 
 

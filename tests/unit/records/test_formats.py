@@ -2,6 +2,7 @@
 
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -499,6 +500,19 @@ def test_xlsx_files(tmp_path):
     book.save(path)
     assert asked(path, rest_length=REST)[0][::2] == ("table", "Data")
     check(load(path, rest_length=REST, table="data 2"))
+
+
+def test_a_sheet_whose_formats_are_too_long_is_refused_at_once(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    openpyxl.Workbook().save(tmp_path / "m.xlsx")
+    with zipfile.ZipFile(tmp_path / "m.xlsx") as source:
+        parts = {name: source.read(name) for name in source.namelist()}
+    parts["xl/styles.xml"] += b'<numFmt formatCode="' + b"[" * 300 + b'"/>'
+    with zipfile.ZipFile(tmp_path / "m.xlsx", "w") as changed:
+        for name, part in parts.items():
+            changed.writestr(name, part)
+    with pytest.raises(ValueError, match="255 characters"):
+        load(tmp_path / "m.xlsx")
 
 
 @pytest.mark.parametrize(
