@@ -45,7 +45,7 @@ LINES = [
     # outputs
     (f"force {SIX} --out no/x.nc", "--out no/x.nc: can't be written: no such folder"),
     (f"force {SIX} --out x.xls", ".nc, .zarr, .csv, .json"),
-    ("reproduce kim2021 --out d.csv", "--out d.csv: can't be created"),
+    ("reproduce kim2021 --out d.csv", "--out d.csv: can't be written"),
     (f"export {SIX}", "give --table"),
     (f"export {SIX} --table code --name class", "keyword or a standard header of C"),
     (f"export {SIX} --fmu a.fmu --platform plan9", "darwin64, linux64, win64"),

@@ -78,11 +78,10 @@ def reproduce(
     folder = Path(f"out/{paper}" if out is None else out)
     load_laws()
     terminal = import_module("reproduction.terminal")
-    try:  # before the minutes of work
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"--out {folder}: can't be created: {error.strerror or error}.") from None
+    with user_errors("--out "):  # before the minutes of work
+        folder.parent.mkdir(parents=True, exist_ok=True)
     result_folder(f"{folder}", "", False, overwrite)
+    folder.mkdir(exist_ok=True)
     with user_errors():
         return getattr(terminal, paper)(folder, overwrite, verbose)
 

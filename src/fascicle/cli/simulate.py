@@ -16,10 +16,6 @@ from .terminal import print_line, print_table, print_text, status
 _UNTRUSTED = 1  # exit code
 
 
-def _complete_scenario(incomplete: str) -> list[str]:
-    return [name for name in files.scenarios() if name.startswith(incomplete)]
-
-
 @with_options("outputs", Outputs)
 def simulate(
     outputs: Outputs,
@@ -27,7 +23,7 @@ def simulate(
         "SCENARIO.toml",
         "Scenario file: bundle, load, fluid, supply, valves and schedule; or a named one, such as"
         " lift_gas, ramp_hand_over or joint_gait; `fascicle init --scenario` writes one.",
-        autocompletion=_complete_scenario,
+        autocompletion=lambda: [*files.scenarios()],
     ),
     report: Text = option("HTML page with traces and energy balances.", "PATH"),
     bode: Text = option(
@@ -193,11 +189,12 @@ def _print(
         print_table("Quality of control", ["metric", "value"], rows)
     rows = []
     for balance in balances:
-        name, *cells = pages.balance_cells(balance)
-        closes = "closes" if balance.closes else "DOES NOT CLOSE"
-        rows.append([name.replace(" of ", "\nof "), *cells, closes])
+        closes = "closes" if balance.closes else "DOES NOT\nCLOSE"
+        residual = f"{balance.relative_residual:.0e}\n{closes}"
+        name = balance.name.replace(" of ", "\nof ")
+        rows.append([name, *map("\n".join, pages.balance_terms(balance, 3)), residual])
     caption = "residual: inputs less outputs, over the largest term; zero terms are omitted"
-    heads = ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]", ""]
+    heads = ["balance", "inputs [J,kg]", "outputs [J,kg]", "residual [-]"]
     print_table("Balances", heads, rows, caption)
 
 

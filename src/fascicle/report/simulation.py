@@ -72,9 +72,9 @@ def report(scenario: "Scenario", run: "Trajectory", audit: "Audit", date: str) -
     energies = [entry for entry in balances if entry.unit == "J" and entry.name != "first law"]
     rows = []
     for balance in balances:
-        name, *sides, share = balance_cells(balance)
+        share = f"{balance.relative_residual:.0e}, at most {balance.tolerance:g}"
         closes = mark(balance.closes, "closes", "doesn't close", "fails")
-        rows.append([name, *(lines(side.splitlines()) for side in sides), share, closes])
+        rows.append([balance.name, *map(lines, balance_terms(balance)), share, closes])
     counts = [[f"{int(unit.count)}" for unit in bundle.motor_units] for bundle in plant.bundles]
     return render(
         "simulation.html",
@@ -201,16 +201,13 @@ def position_table(plant: "Plant", run: "Trajectory") -> tuple[list[str], list[l
     return ["", "time [s]", f"position [{unit}]", *names], rows
 
 
-def balance_cells(balance: "Balance") -> list[str]:
-    """Name of a balance, a line for each term of its inputs and outputs, and its residual over the
-    largest term.
-    """
+def balance_terms(balance: "Balance", digits: int = 4) -> list[list[str]]:
+    """Texts of the inputs of a balance, and of its outputs, without rounded zeros."""
     smallest = _ROUNDING * max(map(abs, (balance.inputs | balance.outputs).values()))
-    sides = []
-    for terms in (balance.inputs, balance.outputs):
-        large = {name: x for name, x in terms.items() if abs(x) > smallest}
-        sides.append("\n".join(f"{name} {x:.4g} {balance.unit}" for name, x in large.items()))
-    return [balance.name, *sides, f"{balance.relative_residual:.0e}, at most {balance.tolerance:g}"]
+    return [
+        [f"{name} {x:.{digits}g} {balance.unit}" for name, x in side.items() if abs(x) > smallest]
+        for side in (balance.inputs, balance.outputs)
+    ]
 
 
 def policy_report(
