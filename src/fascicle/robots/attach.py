@@ -71,7 +71,7 @@ def attach(
     stiffness: Values | Sequence[Values] = None,
     slack: bool = False,
 ) -> Attached:
-    """Put a bundle in line with a tendon.
+    """Put a bundle in line with a tendon: an `Attached`, for `Drive.of` with the compiled model.
 
     The rest of the tendon is a cord: a tendon shorter than its `rest_length` contracts the bundle
     by the difference, less the stretch of the cord. A bundle past its free strain pushes, unless
@@ -90,10 +90,8 @@ def attach(
     - `stiffness`: of cord and brackets in series [N/m], one or several; left out, they are rigid.
     - `slack`: true for a cord, which pulls and doesn't push; false for a rod.
 
-    **Returns:** an `Attached`, for `Drive.of` with the compiled model.
-
-    **Raises:** `InvalidInputError` for a path in the place of a model, a tendon that doesn't exist,
-    a `name` that is taken, and a model without an actuator to replace.
+    **Raises:** `InvalidInputError` for a path as a model, a tendon that doesn't exist, a `name`
+    that is taken, and a model without an actuator to replace.
     """
     check_model(spec, "spec", ("MjSpec", "MjModel"))
     bundle = as_bundle(bundle)

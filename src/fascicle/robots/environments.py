@@ -141,7 +141,6 @@ class Environment(gymnasium.Env):
         self._view: Any = None  # MuJoCo's viewer or renderer, once it is used
 
     def __getstate__(self) -> dict[str, Any]:
-        """Fields, without compiled code and windows."""
         return {name: value for name, value in vars(self).items() if name not in {"_act", "_view"}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -161,10 +160,9 @@ class Environment(gymnasium.Env):
         return self._results()
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """One step of 10 ms with valves open by an `action` [-], which must be finite.
-
-        **Returns:** observation, reward, true if a muscle left its table, which ends the episode,
-        false for a time limit, which is a wrapper's, and what is measured [SI].
+        """One step of 10 ms with valves open by a finite `action` [-]: observation, reward, true if
+        a muscle left its table, which ends the episode, false for a time limit, which is a
+        wrapper's, and what is measured [SI].
         """
         command = check_action(action, self.action_space.shape or ())
         for _ in range(FRAMES):

@@ -110,9 +110,8 @@ class Sizing:
     @property
     def strains(self) -> tuple[float, float]:
         """Least and largest strain of the chosen muscle [-]."""
-        lengths = self.route.lengths
-        ends = (self.rest_length - np.array([lengths.max(), lengths.min()])) / self.chosen.length
-        return float(ends[0]), float(ends[1])
+        strains = (self.rest_length - self.route.lengths) / self.chosen.length
+        return float(strains.min()), float(strains.max())
 
     @property
     def available_torque(self) -> np.ndarray:
@@ -144,17 +143,16 @@ def size(
     - `muscles`: one; names of measured ones; `fascicle.catalog`; or pairs of a name and a muscle.
       Their lengths don't count.
     - `torque`: asked for about the joint [N·m], positive where it raises the coordinate; one, one
-      for each pose, or a function of the poses, rows of the coordinates of all joints that move the
+      for each pose, or a function of the poses, rows of coordinates of all joints that move the
       tendon [rad]. Of a slide, a force [N].
     - `pressure`: of the supply [Pa].
-    - `joint`: name of the torque's joint; may be left out if one joint moves the tendon.
+    - `joint`: the torque's; may be left out if one joint moves the tendon.
     - `ranges`: ends of joints' coordinates by name [rad or m]; left out, the model's limits.
     - `points`: of each joint's range [-].
     - `counts`: numbers of muscles in parallel that are tried [-].
     - `margin`: least share of pull above the one that is needed [-].
     - `stretch`: strain by which the muscle may be stretched [-].
-    - `longest`: length that there is room for [m]; left out, eight strokes, and no more than a
-      spatial tendon's own length.
+    - `longest`: room for its length [m]; left out, eight strokes, or a spatial tendon's length.
 
     **Raises:** `InvalidInputError`, which says what would help, if none will do.
     """
@@ -183,9 +181,7 @@ def size(
     def shortest(name: str, muscle: Muscle, count: int) -> SizeTrial:
         """The shortest one that has the margin, or else the longest."""
         best, low = trial(name, muscle, count, room), 0.0
-        if best.margin < margin:
-            return best
-        for _ in range(_HALVINGS):
+        for _ in range(_HALVINGS if best.margin >= margin else 0):
             middle = (low + best.length) / 2
             try:
                 tried = trial(name, muscle, count, middle)
@@ -272,13 +268,9 @@ def _remedy(trials: list[SizeTrial], margin: float, pressure: float) -> str:
     """Remedy where no trial has the margin."""
     best = max(trials, key=lambda x: x.margin, default=None)
     if best is None or best.margin <= -1.0:
-        return (
-            "they contract past their free strain: give more room (`longest`), a smaller moment"
-            " arm, which shortens the stroke, or let them be stretched (`stretch`)"
-        )
+        text = "they contract past their free strain: give more room (`longest`), a smaller moment"
+        return f"{text} arm, which shortens the stroke, or let them be stretched (`stretch`)"
     min_count = math.ceil(best.count * (1 + margin) / (1 + best.margin))
-    return (
-        f"the best, {best.count} × {best.name}, has a margin of {100 * best.margin:.0f} %"
-        f" where {100 * margin:.0f} % is asked for: take {min_count} in parallel (`counts`),"
-        f" thicker ones, more than {pressure / 1e3:g} kPa, or more room (`longest`)"
-    )
+    text = f"the best, {best.count} × {best.name}, has a margin of {100 * best.margin:.0f} %"
+    text += f" where {100 * margin:.0f} % is asked for: take {min_count} in parallel (`counts`),"
+    return f"{text} thicker ones, more than {pressure / 1e3:g} kPa, or more room (`longest`)"

@@ -3,9 +3,23 @@
 import pytest
 
 import fascicle as fs
+from fascicle import dynamics, fluid
 
 
 SUPPLY = 413.7e3
+
+
+@pytest.fixture(scope="session")
+def plant_of():
+    """A plant of a bundle that is held at a `strain`, with air."""
+
+    def make(bundle, strain=0.2, conductance=1e-9, spool=None):
+        return dynamics.Plant(
+            bundle, dynamics.PrescribedMotion(strain * 0.127), fluid.ConstantSupply(SUPPLY),
+            fluid.Isothermal(), fluid.SonicValve(conductance, 0.3), spool=spool,
+        )  # fmt: skip
+
+    return make
 
 
 @pytest.fixture(scope="session")

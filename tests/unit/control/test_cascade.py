@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
-from fascicle import control, dynamics, fluid
+from fascicle import control, dynamics
 from fascicle.control import Gains
 from fascicle.core.errors import InvalidInputError
 
@@ -18,12 +18,8 @@ STEPS = 600
 
 
 @pytest.fixture(scope="module")
-def bench(pair):
-    """1 + 1 held at a strain, with air."""
-    return dynamics.Plant(
-        pair, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
-        fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3),
-    )  # fmt: skip
+def bench(plant_of, pair):
+    return plant_of(pair)
 
 
 @pytest.fixture(scope="module")
@@ -97,11 +93,8 @@ def test_force_is_not_withheld_where_no_hand_over_begins(ran, ramp):
 def test_demands_that_cant_be_reached_are_counted(ran, ramp):
     run, worth = ran("hand_over", np.linspace(26.0, 200.0, STEPS))
     assert 300 < worth.unreachable < STEPS
-    for field in run.outputs:
-        assert np.all(np.isfinite(field))
-    assert np.isfinite(worth.rms)
-    pressures = np.asarray(run.outputs.pressures)
-    assert pressures.max() <= SUPPLY * (1 + 1e-9)
+    assert all(np.all(np.isfinite(field)) for field in (*run.outputs, worth.rms))
+    assert np.max(run.outputs.pressures) <= SUPPLY * (1 + 1e-9)
     less = ran("hand_over", np.full(STEPS, -500.0))[1]
     assert less.unreachable == STEPS and less.rms == 0
 
@@ -137,10 +130,7 @@ def test_gradients_by_gains_are_finite(bench, ramp, start):
         ({"policy": "orderly", "gains": Gains(force=-1.0)}, "force gain"),
         ({"policy": "orderly", "sample_time": 1.5e-3}, "sample_time"),
         ({"policy": "orderly", "delay": -1e-3}, "delay"),
-        (
-            {"policy": "orderly", "highest_pressure": 5e5},
-            "highest_pressure",
-        ),
+        ({"policy": "orderly", "highest_pressure": 5e5}, "highest_pressure"),
         ({"policy": "orderly", "of": "position"}, "of"),
     ],
 )
@@ -150,7 +140,7 @@ def test_invalid_input_is_refused(bench, options, argument):
     assert error.value.argument == argument
 
 
-def test_crossings_along_a_reference(bench, ramp, pair, five):
+def test_crossings_along_a_reference(bench, plant_of, ramp, pair, five):
     def crossings(plant, reference):
         return control.crossings_on_reference(plant, reference, 1e-3, "force")
 
@@ -158,9 +148,6 @@ def test_crossings_along_a_reference(bench, ramp, pair, five):
     assert exists.exists
     (idle,) = crossings(bench, 0.5 * ramp)
     assert not idle.exists and idle.is_resolved  # the first unit holds all of it
-    parts = bench.supply, bench.chamber, fluid.SonicValve(1e-9, 0.3)
-    deep = dynamics.Plant(five, dynamics.PrescribedMotion(0.24 * 0.127), *parts)
-    (none,) = crossings(deep, np.linspace(1, 20, 100))
+    (none,) = crossings(plant_of(five, 0.24), np.linspace(1, 20, 100))
     assert not none.is_resolved and none.obstacle.code == "crossing.dip_too_deep"
-    alone = dynamics.Plant(fs.Bundle([pair.motor_units[0]], SUPPLY), bench.load, *parts)
-    assert crossings(alone, ramp) == ()
+    assert crossings(plant_of(fs.Bundle([pair.motor_units[0]], SUPPLY)), ramp) == ()

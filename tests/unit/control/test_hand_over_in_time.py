@@ -10,15 +10,8 @@ from fascicle import control, dynamics, fluid
 from fascicle.control import Gains
 
 
-SUPPLY, STRAIN, DT = 413.7e3, 0.2, 1e-3
+STRAIN, DT = 0.2, 1e-3
 HELD = 0.1  # of the dip, a tenth: what docs and benchmarks call held
-
-
-def plant_of(bundle, conductance=1e-9, spool=None):
-    return dynamics.Plant(
-        bundle, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
-        fluid.Isothermal(), fluid.SonicValve(conductance, 0.3), spool=spool,
-    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -36,11 +29,10 @@ def dip(plant, demand, policy="hand_over", **options):
     """Drawdown of a run over the dip [-]."""
     bundle = plant.bundles[0]
     empty = float(bundle.motor_units[1].muscle.force(0.0, STRAIN))
-    begin = control.Branches.of(bundle).pressure(
-        np.array([demand[0] - empty, 0.0]), np.full(2, STRAIN)
-    )
+    force = np.array([demand[0] - empty, 0.0])
+    pressure = control.Branches.of(bundle).pressure(force, np.full(2, STRAIN))[0]
     controller = control.cascade(plant, policy, **options)
-    start = dynamics.equilibrium_state(plant, [float(begin.pressure[0]), 0.0])
+    start = dynamics.equilibrium_state(plant, [float(pressure), 0.0])
     run = dynamics.simulate(plant, controller, demand, start=start, substeps=2)
     worth = control.control_metrics(controller, run, demand)
     return worth.drawdown / worth.dip
@@ -57,13 +49,13 @@ def dip(plant, demand, policy="hand_over", **options):
         pytest.param(5e-10, 1.2, marks=pytest.mark.slow),
     ],
 )
-def test_a_predicted_hand_over_has_no_dip(pair, ramp, conductance, duration):
-    plant, demand = plant_of(pair, conductance), ramp(duration)
+def test_a_predicted_hand_over_has_no_dip(plant_of, pair, ramp, conductance, duration):
+    plant, demand = plant_of(pair, conductance=conductance), ramp(duration)
     assert control.crossings_on_reference(plant, demand, DT, "force")[0].exists
     assert dip(plant, demand) < HELD
 
 
-def test_a_ramp_too_fast_for_the_valves_is_late_but_does_not_dip(pair, ramp):
+def test_a_ramp_too_fast_for_the_valves_is_late_but_does_not_dip(plant_of, pair, ramp):
     plant, demand = plant_of(pair), ramp(0.35)
     assert not control.crossings_on_reference(plant, demand, DT, "force")[0].is_resolved
     assert dip(plant, demand, "threshold") > HELD > dip(plant, demand)
@@ -77,7 +69,7 @@ def test_a_ramp_too_fast_for_the_valves_is_late_but_does_not_dip(pair, ramp):
         *(pytest.param(5e-3, d, marks=pytest.mark.slow) for d in (0.0, 5e-3)),
     ],
 )
-def test_pressures_settle_as_fast_as_the_delays_allow(pair, ramp, valve, delay):
+def test_pressures_settle_as_fast_as_the_delays_allow(plant_of, pair, ramp, valve, delay):
     plant = plant_of(pair, spool=None if valve is None else fluid.Servovalve(valve))
     controller = control.cascade(plant, "hand_over", delay=delay)
     late = (valve or 0.0) + delay + DT
@@ -86,7 +78,7 @@ def test_pressures_settle_as_fast_as_the_delays_allow(pair, ramp, valve, delay):
     assert dip(plant, ramp(4.0), delay=delay) < HELD
 
 
-def test_a_loop_faster_than_its_valves_warns(pair):
+def test_a_loop_faster_than_its_valves_warns(plant_of, pair):
     plant = plant_of(pair, spool=fluid.Servovalve(20e-3))
     with pytest.warns(UserWarning, match="`pressure_time` of 0.003 s is too fast"):
         hasty = control.cascade(plant, "hand_over", gains=Gains(pressure_time=3e-3))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle import control, dynamics, fluid
+from fascicle import control, dynamics
 from fascicle.core.module import Module, static
 
 
@@ -15,12 +15,9 @@ SUPPLY, STRAIN = 413.7e3, 0.2
 
 
 @pytest.fixture(scope="module")
-def bench(pair):
-    """1 + 1 held at a strain, with air, begun where one muscle holds most of what it can."""
-    plant = dynamics.Plant(
-        pair, dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
-        fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3),
-    )  # fmt: skip
+def bench(plant_of, pair):
+    """1 + 1 begun where one muscle holds most of what it can."""
+    plant = plant_of(pair)
     return plant, dynamics.equilibrium_state(plant, [330e3, 0.0])
 
 
@@ -69,14 +66,11 @@ class DeadTime(Module):
         return (inner, queue[1:]), queue[0]
 
 
-def test_a_declared_delay_is_not_added(five, muscle):
+def test_a_declared_delay_is_not_added(plant_of, five, muscle):
     thicker = muscle.replace(wall_thickness=1.1 * float(muscle.wall_thickness))
     units = [fs.MotorUnit(thicker), fs.MotorUnit(thicker, 4)]
-    parts = (
-        dynamics.PrescribedMotion(STRAIN * 0.127), fluid.ConstantSupply(SUPPLY),
-        fluid.Isothermal(), fluid.SonicValve(1e-9 * np.array([1.0, 4.0]), 0.3),
-    )  # fmt: skip
-    plant, model = (dynamics.Plant(b, *parts) for b in (fs.Bundle(units, SUPPLY), five))
+    each = 1e-9 * np.array([1.0, 4.0])
+    plant, model = (plant_of(b, conductance=each) for b in (fs.Bundle(units, SUPPLY), five))
     start = dynamics.equilibrium_state(plant, [201e3, 0.0])
     ramp = np.linspace(3.0, 80.0, 3000)
     controller = control.cascade(model, "hand_over", delay=15e-3)

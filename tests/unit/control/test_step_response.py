@@ -37,14 +37,11 @@ def test_delay_and_lag_of_a_synthetic_response_are_found(delay, lag):
 
 
 @pytest.fixture(scope="module")
-def step(pair):
+def step(plant_of, pair):
     """Steps of a plant's valve with a lag of 15 ms, measured late by 15 ms; its step is compiled
     once.
     """
-    plant = dynamics.Plant(
-        pair, dynamics.PrescribedMotion(0.05 * 0.127), fluid.ConstantSupply(413.7e3),
-        fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3), spool=fluid.Servovalve(15e-3),
-    )  # fmt: skip
+    plant = plant_of(pair, 0.05, spool=fluid.Servovalve(15e-3))
 
     def record(pressure, command):
         commands = np.zeros((2050, 2))
@@ -80,7 +77,7 @@ def test_a_plants_valve_is_identified_or_refused(step, begin, command):
     assert refused == 6 if begin == 0.0 else refused <= 4
 
 
-def test_margins_are_those_of_a_frequency_sweep(pair):
+def test_margins_are_those_of_a_frequency_sweep(plant_of, pair):
     tau, lag, delay = 0.05, 0.02, 0.01
     w = np.geomspace(1e-1, 1e3, 400_001)
     loop = np.exp(-1j * w * delay) / (1j * tau * w * (1 + 1j * lag * w))
@@ -90,10 +87,7 @@ def test_margins_are_those_of_a_frequency_sweep(pair):
     assert_allclose(margins.phase, np.pi + phase[one], rtol=1e-3)
     assert_allclose(margins.gain, 1 / np.abs(loop[turn]), rtol=1e-3)
     # a controller's own loop has its margins
-    air = fluid.ConstantSupply(413.7e3), fluid.Isothermal(), fluid.SonicValve(1e-9, 0.3)
-    load, servo = dynamics.PrescribedMotion(0.01), fluid.Servovalve(lag)
-    plant = dynamics.Plant(pair, load, *air, spool=servo)
-    gains = control.Gains(pressure_time=tau)
+    plant, gains = plant_of(pair, spool=fluid.Servovalve(lag)), control.Gains(pressure_time=tau)
     controller = control.cascade(plant, "threshold", gains=gains, delay=0.009)
     assert_allclose(controller.loop_response(w / (2 * np.pi)), loop)
     # (K3a): 61° where a delay alone is late, no gain margin's end without one
@@ -103,12 +97,10 @@ def test_margins_are_those_of_a_frequency_sweep(pair):
 
 def test_records_without_one_step_are_refused():
     time = DT * np.arange(50)
-    with pytest.raises(ValueError, match="one step"):
-        control.identify(time, np.zeros(50), np.zeros(50))
-    with pytest.raises(ValueError, match="samples after the step"):
-        control.identify(time, np.where(np.arange(50) > 45, 1.0, 0.0), np.zeros(50))
-    with pytest.raises(ValueError, match="pressure"):
-        control.identify(time, np.where(np.arange(50) > 4, 1.0, 0.0), np.zeros(49))
+    for step_at, samples, argument in ((99, 50, "command"), (45, 50, "time"), (4, 49, "pressure")):
+        with pytest.raises(InvalidInputError) as error:
+            control.identify(time, 1.0 * (np.arange(50) > step_at), np.zeros(samples))
+        assert error.value.argument == argument
 
 
 @pytest.mark.parametrize("noise", [0.0, 2e3])

@@ -50,15 +50,10 @@ def test_a_run_continues_from_the_end_of_another(lift):
 
 
 def test_a_schedule_equals_its_rows(lift):
-    start = dynamics.equilibrium_state(lift, BEGIN)
-    whole = dynamics.simulate(lift, np.tile([[0.3, -0.1]], (SHORT, 1)), start=start, substeps=2)
-    again = dynamics.simulate(
-        lift,
-        dynamics.Schedule([0.0], [[0.3, -0.1]]),
-        duration=1e-3 * SHORT,
-        start=start,
-        substeps=2,
-    )
+    options = {"start": dynamics.equilibrium_state(lift, BEGIN), "substeps": 2}
+    whole = dynamics.simulate(lift, np.tile([[0.3, -0.1]], (SHORT, 1)), **options)
+    schedule = dynamics.Schedule([0.0], [[0.3, -0.1]])
+    again = dynamics.simulate(lift, schedule, duration=1e-3 * SHORT, **options)
     assert_array_equal(whole.outputs.position, again.outputs.position)
     assert_allclose(whole.time, 1e-3 * np.arange(SHORT + 1), rtol=1e-12)
     assert len(whole.commands) == len(whole.ledger) == SHORT + 1
@@ -76,12 +71,9 @@ def test_a_run_ends_at_the_static_equilibrium(lift, bundle):
     result = bundle.strain_at(held, seen.pressures[-1])
     # a table's largest error of force over the bundle's stiffness is what it may be off
     h = 1e-5
-    stiff = (
-        bundle.force(seen.pressures[-1], seen.strains[-1, 0] - h)
-        - bundle.force(seen.pressures[-1], seen.strains[-1, 0] + h)
-    ) / (2 * h)
-    off = np.sum(lift.counts) * lift.muscles.table.errors[2] / stiff
-    off = min(off, 5e-4)
+    forces = [bundle.force(seen.pressures[-1], seen.strains[-1, 0] + x) for x in (-h, h)]
+    stiff = (forces[0] - forces[1]) / (2 * h)
+    off = min(np.sum(lift.counts) * lift.muscles.table.errors[2] / stiff, 5e-4)
     assert_allclose(seen.strains[-1, 0], np.atleast_1d(result.strain)[0], rtol=0, atol=off)
 
 
@@ -151,11 +143,8 @@ def test_gradients_by_gains_equal_finite_differences(tracking):
     start, slopes_and_cost = tracking
     gains, h = jnp.array([300.0, 2e3]), np.array([3e-2, 2e-1])
     slopes, _ = slopes_and_cost(gains, start)
-    central = [
-        (slopes_and_cost(gains + d, start)[1] - slopes_and_cost(gains - d, start)[1])
-        / (2 * np.sum(d))
-        for d in np.diag(h)
-    ]
+    ends = [[slopes_and_cost(gains + s * d, start)[1] for s in (-1, 1)] for d in np.diag(h)]
+    central = np.diff(ends, axis=1)[:, 0] / (2 * h)
     assert_allclose(slopes, central, rtol=1e-4)
 
 
@@ -190,20 +179,14 @@ def test_plants_of_one_structure_compile_once(lift, muscle, air, caplog):
     assert len(set(positions)) == 4
 
 
-def test_the_last_command_holds_at_the_end(lift):
+def test_the_last_command_holds_at_the_end_and_substeps_are_reported(lift):
     start = dynamics.equilibrium_state(lift, BEGIN)
     rows = np.stack([up(1e-3 * np.arange(SHORT)), np.zeros(SHORT)], axis=1)
     run = dynamics.simulate(lift, rows, start=start)
     assert len(run.time) == len(run.outputs.position) == len(run.ledger) == SHORT + 1
     assert_array_equal(run.commands, [*rows, rows[-1]])
     assert_array_equal(run.end.position, run.outputs.position[-1])
-
-
-def test_substeps_are_reported(lift):
     looked = dynamics.estimate_substeps(lift, 1e-3)
-    run = dynamics.simulate(
-        lift, np.zeros((SHORT, 2)), start=dynamics.equilibrium_state(lift, BEGIN)
-    )
     assert run.substeps == looked.substeps and run.step_size == looked
     assert 1e-3 / looked.substeps * looked.rate <= 2
     assert dynamics.estimate_substeps(lift, 1e-2).substeps > looked.substeps

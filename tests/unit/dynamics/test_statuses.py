@@ -19,24 +19,28 @@ def single(muscle):
     return fs.Bundle([fs.MotorUnit(muscle)])
 
 
+def in_oil(bundle, load, orifice=1e-6, supply=413.7e3, **chamber):
+    """A plant of a bundle in a liquid, whose chamber has a `compliance`."""
+    liquid = fluid.LiquidChamber(**chamber)
+    return dynamics.Plant(
+        bundle, load, fluid.ConstantSupply(supply), liquid, fluid.Orifice(orifice)
+    )
+
+
 def happened(plant, run):
     """Events by name, all numbers finite up to where one says that they aren't."""
-    broken = [e.first for e in dynamics.events(run) if e.name == "broken"]
+    audit = dynamics.audit(plant, run)
+    broken = [e.first for e in audit.events if e.name == "broken"]
     until = run.time < min([np.inf, *broken])
     assert all(np.all(np.isfinite(x[until])) for x in (*run.outputs, run.ledger))
-    assert dynamics.audit(plant, run).closes == all(
-        [e.trusted for e in dynamics.events(run)]
-        + [b.closes for b in dynamics.audit(plant, run).balances]
-    )
-    return {event.name: event for event in dynamics.events(run)}
+    closes, trusted = [b.closes for b in audit.balances], [e.trusted for e in audit.events]
+    assert audit.closes == all(closes + trusted)
+    return {event.name: event for event in audit.events}
 
 
 def test_a_stretched_closed_liquid_cavitates(mesh):
     # lengthened, a braid takes less; contracted, more than a shut chamber has
-    plant = dynamics.Plant(
-        mesh, dynamics.PrescribedMotion(0.015, 0.004, 2.0), fluid.ConstantSupply(413.7e3),
-        fluid.LiquidChamber(compliance=1e-12), fluid.Orifice(1e-6),
-    )  # fmt: skip
+    plant = in_oil(mesh, dynamics.PrescribedMotion(0.015, 0.004, 2.0), compliance=1e-12)
     run = dynamics.simulate(plant, np.zeros((100, 1)), start=dynamics.equilibrium_state(plant, 2e4))
     result = happened(plant, run)
     assert "cavitates" in result and not result["cavitates"].trusted
@@ -48,10 +52,7 @@ def test_a_stretched_closed_liquid_cavitates(mesh):
 @pytest.mark.parametrize(("compliance", "folds"), [(1e-13, True), (1e-9, False)])
 def test_a_folded_volume_is_reported(single, compliance, folds):
     # where the volume falls with pressure most, by 9.3e-12 m³/Pa: more than stiff oil gives way
-    plant = dynamics.Plant(
-        single, dynamics.PrescribedMotion(0.0154), fluid.ConstantSupply(413.7e3),
-        fluid.LiquidChamber(compliance=compliance), fluid.Orifice(1e-6),
-    )  # fmt: skip
+    plant = in_oil(single, dynamics.PrescribedMotion(0.0154), compliance=compliance)
     run = dynamics.simulate(plant, np.zeros((5, 1)), start=dynamics.equilibrium_state(plant, 65e3))
     result = happened(plant, run)
     assert ("folded" in result) == folds
@@ -65,11 +66,9 @@ def test_a_folded_volume_is_reported(single, compliance, folds):
 def test_a_fold_between_two_steps_is_reported(muscle, compliance, folds):
     # beside a kink, near rest at 2 kPa, the table's volume falls by 3e-11 m³/Pa: a pressure jumps
     # over that within a step, and what it has lost there no balance has
-    plant = dynamics.Plant(
-        fs.Bundle([fs.MotorUnit(muscle, 4)]), dynamics.PrescribedMotion(0.00824, 0.010376, 5.444),
-        fluid.ConstantSupply(413.7e3),
-        fluid.LiquidChamber(compliance=4 * compliance, dead_volume=3.24e-6), fluid.Orifice(1e-4),
-    )  # fmt: skip
+    four, load = fs.Bundle([fs.MotorUnit(muscle, 4)]), (0.00824, 0.010376, 5.444)
+    chamber = {"compliance": 4 * compliance, "dead_volume": 3.24e-6}
+    plant = in_oil(four, dynamics.PrescribedMotion(*load), 1e-4, **chamber)
     run = dynamics.simulate(
         plant, np.full((180, 1), -0.6), start=dynamics.equilibrium_state(plant, 0.0)
     )
@@ -81,10 +80,7 @@ def test_a_fold_between_two_steps_is_reported(muscle, compliance, folds):
 
 
 def test_a_stiff_chamber_is_reported(single):
-    plant = dynamics.Plant(
-        single, dynamics.HangingMass(5.0), fluid.ConstantSupply(8e5),
-        fluid.LiquidChamber(compliance=1e-13), fluid.Orifice(1e-3),
-    )  # fmt: skip
+    plant = in_oil(single, dynamics.HangingMass(5.0), 1e-3, 8e5, compliance=1e-13)
     looked = dynamics.estimate_substeps(plant, 1e-3)
     assert looked.stiff and looked.substeps == 64 and looked.part == "a chamber and its valve"
     start = dynamics.equilibrium_state(plant, 1e5, position=0.01)
