@@ -76,7 +76,9 @@ def evaluate(
     """
     names = check_objectives(objectives, task.scheme)
     values = {name: np.empty(len(designs)) for name in names}
-    needs = {OBJECTIVES[name].needs for name in names}
+    needs = {OBJECTIVES[name].needs for name in names if name != "reversal_depth"}
+    if "reversal_depth" in names:  # needs one of the curves' two figures
+        needs.add("depth")
     for index, batch in outcomes(designs, task, needs, resolution, force_factor):
         for name in names:
             values[name][index] = OBJECTIVES[name].function(batch)
@@ -128,14 +130,15 @@ def _batches(
     muscles, muscle_of = np.unique(rows.reshape(-1, 4), axis=0, return_inverse=True)
     muscle_of = muscle_of.reshape(-1, columns)
     depth = overlap = None
-    if "curves" in needs:
-        depth, overlap = np.empty((2, len(rows)))
+    if not {"curves", "depth"}.isdisjoint(needs):
+        depth, overlap = np.full((2, len(rows)), np.nan)
         for unit_muscles in np.unique(muscle_of, axis=0):
             (twins,) = np.nonzero(np.all(muscle_of == unit_muscles, axis=1))
             counts, muscle = designs.counts[twins].T, scaled_muscle(drawing, muscles[unit_muscles])
             top, forces = _force_curves(muscle, task.supply_pressure, resolution)
             depth[twins] = reversal_depths(counts, forces, top, states)
-            overlap[twins] = overlaps(counts, forces, task.scheme)
+            if "curves" in needs:
+                overlap[twins] = overlaps(counts, forces, task.scheme)
         overlap *= force_factor
     # neighbors share muscles, whose forces are computed once in a batch
     order = np.argsort(muscle_of[:, 0], kind="stable")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 import fascicle as fs
-from fascicle.design import Catalog, Product, Space, Task, answer_search, search
+from fascicle.design import Catalog, Limit, Product, Space, Task, answer_search, search
 from fascicle.design.cycle import Cycle
 from fascicle.report import design_summary as text
 
@@ -74,6 +74,13 @@ def test_a_remedy_is_rounded_to_what_is_enough():
     (exact,) = (x.value for x in missing.changes if x.what == "supply_pressure")
     assert exact <= pressure < exact * 1.001
     assert answer(600.0, 0.04, pressure=pressure).is_recommended
+
+
+def test_a_limit_says_how_many_designs_it_costs():
+    task = Task.of(100.0, 0.08, 400e3)
+    found = answer_search(search(SPACE, task, SENSES, {"valves": Limit(most=1)}))
+    (finding,) = (x for x in found.findings if x.code == "design.limit_costs")
+    assert (finding.data["costs"], finding.data["reaching"]) == (1, 2)
 
 
 def test_each_load_case_has_its_pressures_and_where_an_open_valve_leads():
