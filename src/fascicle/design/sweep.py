@@ -62,37 +62,29 @@ def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
     import zarr
     from dask.base import tokenize
 
-    path, names = folder / DATA, list(study.names)
-    digest = tokenize(__version__, study.space, study.task, names, study.block)
-    exists, former, fault = (path / "zarr.json").exists(), None, ""
-    if exists:
+    path, fault = folder / DATA, ""
+    digest = tokenize(__version__, study.space, study.task, study.names, study.block)
+    if exists := (path / "zarr.json").exists():
         read_bytes(path / "zarr.json", _MAX_SIZE, "sweep's array")  # zarr waits for ever at a pipe
-        # there is no end to what a damaged file can provoke
-        with contextlib.suppress(Exception):
+        former = None
+        with contextlib.suppress(Exception):  # there is no end to what a damaged file can provoke
             former = zarr.open_array(path, mode="r").attrs.get("study")
-    if exists and former != digest:
-        fault = "holds another study's results; nothing was changed. Name another folder"
-    elif exists and not resume:
-        fault = "holds a sweep already; continue with --resume"
-    elif not exists and folder.is_dir() and any(file.name != DATA for file in folder.iterdir()):
+        if former != digest:
+            fault = "holds another study's results; nothing was changed. Name another folder"
+        elif not resume:
+            fault = "holds a sweep already; continue with --resume"
+    elif folder.is_dir() and any(file.name != DATA for file in folder.iterdir()):
         fault = "exists and is no sweep: name a new folder"
     elif resume and not folder.is_dir():
         fault = "holds no sweep to resume: leave --resume out"
     if fault:
         raise ValueError(f"{folder}: {fault}.")
     if not exists:
-        units = [OBJECTIVES[name].unit for name in names]
-        attributes = {"study": digest, "fascicle": __version__, "objectives": names, "units": units}
-        zarr.create_array(
-            path,
-            shape=(len(study.space), len(names)),
-            chunks=(study.block, len(names)),
-            dtype="float64",
-            compressors=None,
-            fill_value=np.nan,
-            dimension_names=("design", "objective"),
-            attributes=attributes,
-        )
+        units = [OBJECTIVES[name].unit for name in study.names]
+        shape, chunks = (len(study.space), len(study.names)), (study.block, len(study.names))
+        attributes = {"study": digest, "objectives": list(study.names), "units": units}
+        layout: Any = {"compressors": None, "fill_value": np.nan, "attributes": attributes}
+        zarr.create_array(path, shape=shape, chunks=chunks, dtype="float64", **layout)
     return path
 
 
@@ -192,27 +184,21 @@ def open_client(scheduler: str | None, workers: int | None) -> Iterator["Client 
 
 def check_scheduler(address: str) -> None:
     """Refuse an `address` at which no scheduler of Dask answers: a client would wait for ever."""
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs until this process ends
-    match = re.fullmatch(r"((tcp|tls)://)?([\w.-]+|\[[\da-f:.]+\]):(\d{1,5})", address, re.ASCII)
-    if match is None or not 0 < int(match[4]) < 1 << 16:
-        raise ValueError(f"{address!r}: must be an address such as tcp://127.0.0.1:8786.")
-    try:
-        asyncio.run(_try_connection(address))
-    except (RuntimeError, OSError, TypeError, ValueError, TimeoutError) as error:
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise ValueError(f"{address}: {reason}.") from None
-
-
-async def _try_connection(scheduler: str) -> None:
-    """Raise an error if no `scheduler` answers at its address."""
-    from distributed import Security
     from distributed.comm.core import connect
 
-    arguments = Security().get_connection_args("client") if scheduler.startswith("tls") else {}
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs until this process ends
+    match = re.fullmatch(r"(tcp://)?([\w.-]+|\[[\da-f:.]+\]):(\d{1,5})", address, re.ASCII)
+    if match is None or not 0 < int(match[3]) < 1 << 16:
+        raise ValueError(f"{address!r}: must be an address such as tcp://127.0.0.1:8786.")
+
+    async def ask() -> None:
+        await (await asyncio.wait_for(connect(address), _CONNECTION_TIME)).close()
+
     try:
-        await (await asyncio.wait_for(connect(scheduler, **arguments), _CONNECTION_TIME)).close()
-    except TimeoutError:
-        raise TimeoutError(f"no Dask scheduler answers within {_CONNECTION_TIME:g} s") from None
+        asyncio.run(ask())
+    except (RuntimeError, OSError, TypeError, ValueError, TimeoutError):
+        time = f"{_CONNECTION_TIME:g} s"
+        raise ValueError(f"{address}: no Dask scheduler answers within {time}.") from None
 
 
 @contextlib.contextmanager
