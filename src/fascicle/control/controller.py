@@ -156,15 +156,14 @@ class Cascade(Module):
         pressure_time, dead_time = float(self.gains.pressure_time), self.plant.spool.dead_time
         undeclared = max(dead_time - float(self.delay), 0.0)
         late = self.lateness + undeclared
-        if pressure_time >= late:
-            return ()
         remedy = f"take {DAMPED * late:g} s, or leave it out"
         if undeclared:
             remedy = f"declare the valves' dead time: `delay` of {dead_time:g} s"
-        return (
-            f"`pressure_time` of {pressure_time:g} s is too fast: valves, measurements"
-            f" and samples are {late:g} s late, and pressures will swing; {remedy}",
+        text = (
+            f"`pressure_time` of {pressure_time:g} s is too fast: valves, measurements and samples"
         )
+        text += f" are {late:g} s late, and pressures will swing; {remedy}"
+        return () if pressure_time >= late else (text,)
 
     @property
     def memory(self) -> CascadeMemory:

@@ -77,13 +77,11 @@ _as_bundle = partial(as_bundle, name="agonist and antagonist")
 
 @attrs.frozen
 class Joint:
-    """Two muscles or bundles that pull a joint in opposite directions.
+    """Two muscles or bundles, `agonist` and `antagonist`, that pull a joint in opposite directions.
 
-    - `agonist`, `antagonist`: of them; all motor units of a bundle have one pressure.
-    - `moment_arm`: $r$ of both [m].
-    - `strain`: of both bundles' plates at the angle zero [-].
-
-    The highest pressure is the lower of both bundles' supply pressures, 1 MPa without one.
+    All motor units of a bundle have one pressure, the highest the lower of both bundles' supply
+    pressures, 1 MPa without one. `moment_arm`: $r$ of both [m]; `strain`: of both bundles' plates
+    at the angle zero [-].
     """
 
     agonist: Bundle = attrs.field(converter=_as_bundle)
@@ -141,12 +139,10 @@ class Joint:
             for name, P in (("agonist", agonist), ("antagonist", antagonist))
         )
         *sides, theta = np.broadcast_arrays(*pressures, check_finite(angle, "angle", "rad"))
-        bundles = self.agonist, self.antagonist
-        total = 0.0 * theta
+        total, bundles = 0.0 * theta, (self.agonist, self.antagonist)
         for bundle, P, eps in zip(bundles, sides, self._strains(theta), strict=True):
-            total = total + _pull(bundle, P, eps)[1]
-            if valves == "shut":
-                total = total + _gas_stiffness(bundle, P, eps)
+            gas = _gas_stiffness(bundle, P, eps) if valves == "shut" else 0.0
+            total = total + _pull(bundle, P, eps)[1] + gas
         return self.moment_arm**2 * total
 
     def stiffness_range(self, angle: float, torque: float) -> tuple[float, float]:

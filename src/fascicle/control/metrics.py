@@ -109,10 +109,8 @@ def controlled_output(controller: Cascade, run: Trajectory) -> Numbers:
 
 
 def drawdown(values: Numbers, demand: Numbers, counted: Marks) -> float:
-    """Drawdown of `values` [SI]: their largest fall below an earlier value, (K4).
-
-    The two are on one stretch of steps that are `counted` and on which the `demand` [SI] doesn't
-    fall.
+    """Drawdown of `values` [SI]: their largest fall below an earlier one, (K4), on one stretch of
+    steps that are `counted` and on which the `demand` [SI] doesn't fall.
     """
     deepest, top, before = 0.0, -np.inf, -np.inf
     for y, target, can in zip(values, demand, counted, strict=True):

@@ -135,11 +135,9 @@ def _select_units(component: Module, index: Any, units: int) -> Any:
 
 
 class ControlledUnits(Module):
-    """Model of one bundle's motor units in a controller: force branches, chambers and valves.
-
-    Units are on the last axis. `branches`: from forces to pressures, (K1). `counts`: numbers of
-    muscles [-]. `chamber`, `valve`, `exhaust_valve`: the plant's, of these units.
-    `supply_temperature` [K].
+    """Model of one bundle's motor units in a controller, on the last axis: `branches` from forces
+    to pressures, (K1); `counts` of muscles [-]; `chamber`, `valve`, `exhaust_valve`: the plant's,
+    of these units; `supply_temperature` [K].
     """
 
     branches: Branches

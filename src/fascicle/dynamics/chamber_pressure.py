@@ -164,13 +164,13 @@ def conserved_rates(
     chamber: AbstractChamber,
     chambers: Numbers,
     fixed_volume_rate: Numbers,
-    pressure_rates: Numbers,
+    P_dot: Numbers,
     volumes: Numbers,
 ) -> Numbers:
     """Rates $\\dot k$ of the conserved states [SI], equation (T6), of states `chambers` [SI] with a
-    `fixed_volume_rate` [SI], at `pressure_rates` [Pa/s] and `volumes` [m³].
+    `fixed_volume_rate` [SI], at rates of pressure `P_dot` [Pa/s] and `volumes` [m³].
     """
-    push, P_dot = chamber.per_volume_rate, pressure_rates
+    push = chamber.per_volume_rate
     folded = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)
     return fixed_volume_rate - folded * volumes[..., None]
 

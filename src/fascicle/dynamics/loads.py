@@ -17,7 +17,7 @@ and likewise at the low end, so that the integrator needs no search for events.
 
 import abc
 from functools import partial
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -46,8 +46,7 @@ class Stop(Module):
     """Stop with a spring and a damper at each of two ends of a stroke, equation (T2): the damper
     comes in with depth, half of it at a depth $s_0$ of a millimeter or milliradian.
 
-    `low`, `high`: the ends, in the load's coordinate [m or rad]. `stiffness`: $k$ [N/m or
-    N·m/rad]. `damping`: $c$ [N·s/m or N·m·s/rad].
+    `low`, `high`: ends, in the load's coordinate [m or rad]; `stiffness` $k$, `damping` $c$ [SI].
     """
 
     low: Batch = _field_of_any_sign("low", unit="m or rad", default=-np.inf, closed=(True, True))
@@ -56,8 +55,8 @@ class Stop(Module):
     damping: Batch = _field_from_zero("damping", unit="N·s/m", default=1e2)
 
     def __check_init__(self):
-        ends = (self.low, self.high)
-        if is_concrete(*ends) and np.any(np.asarray(self.low) >= np.asarray(self.high)):
+        low, high = self.low, self.high
+        if is_concrete(low, high) and np.any(np.asarray(low) >= np.asarray(high)):
             raise InvalidInputError("low", "must be less than `high`", float(np.max(self.low)))
 
     def force(self, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
@@ -83,13 +82,14 @@ class AbstractLoad(Module):
     """Load with one coordinate, by default one bundle's contraction that no force acts on.
 
     `unit`: of the coordinate. `prescribed`: the motion is given. `stop`: of its stroke, or none.
-    `damping`: $d$ [SI].
+    `damping`: $d$, `stiffness`: largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$, about [SI].
     """
 
     unit: ClassVar[str] = "m"
     prescribed: ClassVar[bool] = False
     stop: ClassVar[Stop | None]
     damping: ClassVar[Batch] = 0.0
+    stiffness: ClassVar[Any] = 0.0
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:
@@ -110,11 +110,6 @@ class AbstractLoad(Module):
     def potential(self, position: Batch) -> Batch:
         """Potential energy $U$ [J] at `position` [SI]."""
         return 0.0 * position
-
-    @property
-    def stiffness(self) -> Batch:
-        """Estimate of the largest $|\\mathrm{d}^2U/\\mathrm{d}q^2|$ [SI]."""
-        return 0.0 * self.inertia
 
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
         """Position and velocity [SI] at `time` [s]: a free load's `position` and `velocity` [SI],

@@ -85,12 +85,10 @@ def relaxed_friction(plant: "Plant", state: State) -> FrictionMemory:
 
 
 class PlantEvaluation(NamedTuple):
-    """Evaluation of a plant at one time: forces, flows and rates.
-
-    `position` and `velocity` of the load [SI]; of each unit `strains` [-], `fluid`, `flows`, rates
-    of pressure [Pa/s] and volume [m³/s], of the chamber's state and of its conserved one, (T6)
-    [SI]; on the load [N or N·m] the muscles' `pull`, the friction against it and the damper of its
-    stop; the power of friction without memory [W]; the load's `acceleration` [SI].
+    """Evaluation of a plant at one time: `position` and `velocity` of the load [SI]; of each unit
+    `strains` [-], `fluid`, `flows`, and rates of pressure, volume, the chamber's state and its
+    conserved one, (T6) [SI]; on the load [N or N·m] the muscles' `pull`, the friction against it
+    and its stop's damper; power of friction without memory [W]; the load's `acceleration` [SI].
     """
 
     position: Batch
@@ -112,8 +110,8 @@ class PlantEvaluation(NamedTuple):
 def evaluate_plant(
     plant: "Plant", time: Batch, state: State, command: Numbers, friction_memory: FrictionMemory
 ) -> PlantEvaluation:
-    """Forces, flows and rates of a `plant` at a `time` [s] in a `state` [SI], whose pressures
-    aren't solved for, under a `command` [-], with the last step's `friction_memory` [SI].
+    """Evaluation of a `plant` at a `time` [s] in a `state` [SI], whose pressures aren't solved for,
+    under a `command` [-], with the last step's `friction_memory` [SI].
     """
     load, chamber = plant.load, plant.chamber
     q, v = load.motion_at(time, state.position, state.velocity)

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle import control, dynamics
@@ -151,3 +151,12 @@ def test_crossings_along_a_reference(bench, plant_of, ramp, pair, five):
     (none,) = crossings(plant_of(five, 0.24), np.linspace(1, 20, 100))
     assert not none.is_resolved and none.obstacle.code == "crossing.dip_too_deep"
     assert crossings(plant_of(fs.Bundle([pair.motor_units[0]], SUPPLY)), ramp) == ()
+
+
+def test_the_front_holds_runs_that_no_other_beats():
+    # by hand: the third is as deep as the second and dearer, the last is bettered in both
+    dips, energies = [6.0, 1.0, 1.0, 0.5, 7.0], [10.0, 11.0, 12.0, 20.0, 30.0]
+    assert_array_equal(control.pareto_front(dips, energies), [True, True, False, True, False])
+    # equally good ones are all on it
+    assert_array_equal(control.pareto_front([1.0, 1.0, 2.0], [5.0, 5.0, 5.0]), [True, True, False])
+    assert_array_equal(control.pareto_front([3.0], [0.0]), [True])

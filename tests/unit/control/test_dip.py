@@ -1,4 +1,4 @@
-"""The dip before a unit: shapes, limits, unlike units, and what is refused."""
+"""The dip before a unit: shapes, limits, unlike units."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle import control
-from fascicle.core.errors import InvalidInputError
 
 
 SUPPLY = 413.7e3
@@ -27,10 +26,7 @@ def test_strains_of_any_shape(pair):
 
 
 def test_no_dip_below_the_free_strain(pair):
-    result = control.transition(pair, [-0.05, 0.0])
-    assert_array_equal(result.dip, 0.0)
-    assert_array_equal(result.onset_pressure, 0.0)
-    assert_array_equal(result.dip_pressure, 0.0)
+    assert_array_equal(control.transition(pair, [-0.05, 0.0])[:3], 0.0)
 
 
 def test_a_unit_past_its_largest_free_strain_only_resists(pair):
@@ -69,19 +65,3 @@ def test_muscles_of_unlike_length(muscle):
     alone = fs.Bundle([fs.MotorUnit(longer), fs.MotorUnit(longer)], SUPPLY)
     own = 1 - 0.127 / 0.14 * 0.8
     assert_allclose(result.dip, control.transition(alone, own).dip, rtol=1e-10)
-
-
-@pytest.mark.parametrize(
-    ("call", "argument"),
-    [
-        (lambda b: control.transition(b, 0.2, unit=1), "unit"),
-        (lambda b: control.transition(b, 0.9), "strain"),
-        (lambda b: control.added_force(b, -1.0, 0.2), "pressure"),
-        (lambda b: control.needed_reserve(b, 0.2, np.inf, 1.0), "force_rate"),
-        (lambda b: control.transition(b.replace(supply_pressure=None), 0.2), "supply_pressure"),
-    ],
-)
-def test_invalid_input_is_refused(pair, call, argument):
-    with pytest.raises(InvalidInputError) as error:
-        call(pair)
-    assert error.value.argument == argument

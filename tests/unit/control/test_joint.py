@@ -84,12 +84,8 @@ def test_shut_valves_keep_the_gas(thick, joint):
 def test_out_of_reach_is_a_status_and_the_nearest(joint):
     low, high = joint.stiffness_range(ANGLE, 5.0)
     result = joint.pressures(ANGLE, [5.0, 5.0, 900.0, -900.0], [low / 2, 2 * high, 60.0, 60.0])
-    status = JointStatus
-    expected = [
-        status.STIFFNESS_TOO_LOW,
-        status.STIFFNESS_TOO_HIGH,
-        *[status.TORQUE_OUT_OF_REACH] * 2,
-    ]
+    unreachable = [JointStatus.TORQUE_OUT_OF_REACH] * 2
+    expected = [JointStatus.STIFFNESS_TOO_LOW, JointStatus.STIFFNESS_TOO_HIGH, *unreachable]
     assert_array_equal(result.status, expected)
     assert_allclose(result.torque[:2], 5.0, rtol=1e-9)
     assert_allclose(result.stiffness[:2], [low, high])

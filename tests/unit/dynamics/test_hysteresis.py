@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.core.errors import InvalidInputError
 from fascicle.dynamics import Coulomb, Dahl, MaxwellSlip
 from fascicle.muscle.hysteresis import Motion
 
@@ -129,19 +128,3 @@ def test_gradients_are_finite_at_rest(friction):
 
     # at rest a spring is bent by k
     assert_allclose(jax.grad(force)(0.0), K, rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("make", "argument"),
-    [
-        (lambda: MaxwellSlip(0.0, 1.0), "stiffness"),
-        (lambda: MaxwellSlip([1e3, 2e3], 1.0), "slip_force"),
-        (lambda: MaxwellSlip(1e3, 1.0, -1e-5), "slip_force_slope"),
-        (lambda: Dahl(1e3, 0.0), "slip_force"),
-        (lambda: Coulomb(1e3, 0.0), "velocity"),
-    ],
-)
-def test_invalid_input_is_refused(make, argument):
-    with pytest.raises(InvalidInputError) as error:
-        make()
-    assert error.value.argument == argument

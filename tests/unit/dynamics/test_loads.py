@@ -1,4 +1,4 @@
-"""Loads: forces are slopes of their potentials, stops push one way, and what is refused."""
+"""Loads: forces are slopes of their potentials, stops push one way; what parts refuse."""
 
 import jax
 import numpy as np
@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle import dynamics
 from fascicle.core.errors import InvalidInputError
-from fascicle.dynamics import Stop
+from fascicle.dynamics import Coulomb, Dahl, MaxwellSlip, Schedule, Stop
 
 
 LOADS = [
@@ -60,6 +60,16 @@ def test_velocity_is_the_derivative_of_the_motion():
         (lambda: dynamics.AntagonisticJoint(0.01, 0.0), "radius"),
         (lambda: dynamics.PrescribedMotion(0.0, 0.01), "frequency"),
         (lambda: Stop(0.2, 0.1), "low"),
+        (lambda: MaxwellSlip(0.0, 1.0), "stiffness"),
+        (lambda: MaxwellSlip([1e3, 2e3], 1.0), "slip_force"),
+        (lambda: MaxwellSlip(1e3, 1.0, -1e-5), "slip_force_slope"),
+        (lambda: Dahl(1e3, 0.0), "slip_force"),
+        (lambda: Coulomb(1e3, 0.0), "velocity"),
+        (lambda: Schedule([0.1, 0.2], [0, 1]), "times"),
+        (lambda: Schedule([0, 0.2, 0.1], [0, 1, 0]), "times"),
+        (lambda: Schedule([0, np.nan], [0, 1]), "times"),
+        (lambda: Schedule([0, 1], [0, 1.01]), "commands"),
+        (lambda: Schedule([0, 1], [0, 1, 0]), "commands"),
     ],
 )
 def test_invalid_input_is_refused(make, argument):

@@ -59,6 +59,18 @@ def test_a_schedule_equals_its_rows(lift):
     assert len(whole.commands) == len(whole.ledger) == SHORT + 1
 
 
+def test_commands_are_held_until_the_next_but_for_rounding():
+    schedule = dynamics.Schedule([0, 0.1, 0.3], [[1, 0], [0.5, -1], [0, 0]])
+    assert_array_equal(
+        schedule.at([0.0, 0.0999, 0.1, 0.2999, 0.3, 9.0]),
+        [[1, 0], [1, 0], [0.5, -1], [0.5, -1], [0, 0], [0, 0]],
+    )
+    schedule = dynamics.Schedule([0, 0.3], [0, 1])
+    assert 3 * 0.1 != 0.3
+    assert_array_equal(schedule.at(np.arange(5) * 0.1).ravel(), [0, 0, 0, 1, 1])
+    assert_array_equal(schedule.at(np.nextafter(0.3, 0)), [1])
+
+
 def test_a_run_ends_at_the_static_equilibrium(lift, bundle):
     # shut again after 0.1 s, and damped for long: the law at the pressures of then
     start = dynamics.equilibrium_state(lift, BEGIN)
