@@ -56,6 +56,7 @@ _STANDARD_ERRORS = 1.0  # of a difference: the one-standard-error rule
 _OUTLIER = 3.0  # of the usual error: outliers of a robust fit count no more than that
 _RULER = 0.02  # of the distance of the fittings: the error of a ruler, generously
 _DISTINCT = 1e-3  # of a constant's effect on the force: with less it duplicates the others
+_CONTRADICTS = 3.0  # deviations of a prior: a set of constants that needs more leaves one out
 _STARTS = 2  # points to begin from: each search also begins at a neighboring candidate's end
 _MAX_FOLDS = 12  # pressures left out one by one: each is a refit
 _GROUPS = 8  # of neighboring pressures where there are more
@@ -78,7 +79,8 @@ class Candidate:
     - `relative_rmse`, `relative_left_out_rmse`: over the largest force, or contraction [-].
     - `readings`: compared readings: "pulling" or "all".
     - `violation`: what makes the fitted muscle impossible: "length", an active length above the
-      muscle's, of this `value` [m]; "bound", a constant at the end of its range; else empty.
+      muscle's, of this `value` [m]; "bound", a constant at the end of its range; "prior", one
+      that lies this many deviations from its prior; else empty.
     - `left_out_errors`: of its predictions, reading by reading; NaN for clipped ones.
     """
 
@@ -354,6 +356,8 @@ def _pulling_trials(
         if names and not trial.violation:
             ends[frozenset(names)] = end
     candidates = list(trials.values())
+    if all(trial.violation for trial in candidates):  # one is returned all the same
+        candidates = [replace(trial, violation="") for trial in candidates]
     if data.reads_contraction:  # no curves of force
         return candidates, 0.0
     noise = read_curves(muscle, on_length(data, muscle)).noise
@@ -374,8 +378,12 @@ def _try_constants(
         problem, _, point, minimum, _ = solve_with_noise(problem, starts, tolerance=ROUGH)
         fitted = put(problem.parameters, problem.muscle, point)
         violation = _length_violation(data, muscle, fitted, names, priors)
+        misfit = np.abs(point - problem.center) / problem.deviation
+        given = [p.name in priors for p in problem.parameters]
+        if np.any(misfit[given] > _CONTRADICTS):
+            violation = "prior", float(np.max(misfit[given]))
         # a constant that went far beyond its weak prior and has no effect there is at its bound
-        far = np.abs(point - problem.center) > problem.deviation
+        far = misfit > 1
         no_effect = np.diag(minimum.covariance) > (KNOWN * problem.deviation / WEAK) ** 2
         weak = [not p.of_gauge and p.name not in priors for p in problem.parameters]
         if not violation[0] and np.any(far & no_effect & weak):

@@ -428,6 +428,9 @@ def _exclusions(selection: Selection, candidates: Sequence[Candidate]) -> Iterat
             active, whole = pretty(candidate.value, "length"), pretty(rest_length, "length")
             reason = f"an active length of {active} in a muscle of {whole} is impossible"
             yield f"Excluded: {label}: {reason}."
+        elif candidate.violation == "prior":
+            reason = f"a constant would lie {candidate.value:.2g} deviations from its prior"
+            yield f"Excluded: {label}: {reason}."
         elif candidate.violation:
             yield f"Excluded: {label}: a constant is at the end of its range."
 
