@@ -219,6 +219,8 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
         left_out = {"on ramps between sweeps": ramps}
         note = f"{ramps} readings of ramps between sweeps left out of the fit"
         record, branch, at_ceiling = record.only(~ramp, note), branch[~ramp], at_ceiling[~ramp]
+    if len(record.sources) > 1 and record.time is not None and np.any(np.diff(record.time) < 0):
+        record = replace(record, time=None)  # a clock that starts anew in each file shows no drift
     facts: dict[str, Any] = {"read": read, "left_out": left_out, "faults": faults}
     facts |= {"at_ceiling": at_ceiling if np.any(at_ceiling) else None}
     record = replace(record, branch=branch)
@@ -245,20 +247,20 @@ def has_set_loads(record: Record) -> bool:
 
 
 def after_turns(record: Record, length: float) -> np.ndarray | None:
-    """Mask of the readings so soon after a turn of their sweep that friction still builds up;
+    """Mask of the readings at a turn of their sweep, and after it while friction still builds up;
     `length`: reference of strains without one [m].
     """
     length = record.rest_length or length
     friction = fit_friction(record, length) if np.any(record.branch == DOWN) else None
-    if friction is None or not any(friction.resolved):  # the build-up is shorter than a step
+    if friction is None or friction.law is None:
         return None
     mask = np.zeros(len(record), dtype=bool)
     # springs spread evenly over distances have the mean of one; the last slips at twice that
-    distance = 2 * float(np.max(friction.breakaway)) / length
+    distance = 2 * float(np.max(friction.breakaway, where=friction.resolved, initial=0.0)) / length
     for run in runs(record):
         if run.kind == "pressure":
             strain = record.strain[run.points]
-            mask[run.points] = np.abs(strain - strain[0]) < distance
+            mask[run.points] = np.abs(strain - strain[0]) <= distance
     return mask
 
 

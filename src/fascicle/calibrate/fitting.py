@@ -156,9 +156,9 @@ def _with_binding_priors(
     By their scatter alone readings may outweigh a prior though the model's error makes the constant
     less certain than the prior does. Then their noise is multiplied by the ratio of both.
     """
-    names, variances = calibration.names, np.diag(calibration.covariance)
-    with_prior = np.isin(names, list(priors))
-    loose = with_prior & (variances > calibration.problem.deviation**2)
+    variances = np.diag(calibration.covariance)
+    with_prior = [p.of_gauge or p.name in priors for p in calibration.problem.parameters]
+    loose = np.array(with_prior, bool) & (variances > calibration.problem.deviation**2)
     if calibration.readings is not None or not np.any(loose):
         return calibration
     problem = calibration.problem
