@@ -79,18 +79,13 @@ def compare(
     muscle: Muscle,
     parameters: Sequence[str] | None = None,
     priors: Mapping[str, Prior] | None = None,
-    buckling: Sequence[str] | None = None,
-    collapse: Sequence[str] | None = None,
-    post_collapse: Sequence[str] | None = None,
     **options: Any,
 ) -> LawComparison:
-    """Fit every combination of laws, by default all, to a record; other arguments as of `fit`. A
+    """Fit every combination of laws of resisting force to a record; other arguments as of `fit`. A
     law of the muscle keeps its constants.
     """
     data, fits = select_fit_data(record, muscle), {}
-    chosen = zip(RESISTING, (buckling, collapse, post_collapse), strict=True)
-    laws = [names or list(LAWS[kind]) for kind, names in chosen]
-    for names in itertools.product(*laws):
+    for names in itertools.product(*(LAWS[kind] for kind in RESISTING)):
         pairs = zip(RESISTING, names, strict=True)
         replaced = {kind: name for kind, name in pairs if name != getattr(muscle, kind).name}
         variant = muscle.replace(**replaced)

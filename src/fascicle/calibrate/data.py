@@ -255,8 +255,10 @@ def after_turns(record: Record, length: float) -> np.ndarray | None:
     if friction is None or friction.law is None:
         return None
     mask = np.zeros(len(record), dtype=bool)
-    # springs spread evenly over distances have the mean of one; the last slips at twice that
-    distance = 2 * float(np.max(friction.breakaway, where=friction.resolved, initial=0.0)) / length
+    # springs spread evenly over distances have the mean of one; the last slips at twice that, but
+    # within a step of the readings where the build-up is not resolved
+    distances = friction.breakaway * np.where(friction.resolved, 2, 1)
+    distance = float(np.max(distances)) / length
     for run in runs(record):
         if run.kind == "pressure":
             strain = record.strain[run.points]

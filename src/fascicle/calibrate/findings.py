@@ -16,7 +16,6 @@ from .model_selection import Selection
 # of the largest force: the errors of a good bench, and those that friction of the braid causes
 LARGE_ERROR, _ROUGHLY = 0.02, 0.05
 _OVERFIT = 1.5  # of the error of the fit: a larger error at readings left out shows an overfit
-FITS = ("not converged", "untested", "noise", "other sizes", "well", "roughly", "poorly")
 
 _TIED = 0.95  # correlation from which two parameters can't be interpreted one by one
 _DENSE = 10  # readings in the transition: with fewer, the collapse moment's interval is too narrow
@@ -174,7 +173,8 @@ def _of_use(calibration: Calibration) -> Iterator[Finding]:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Verdict on a calibration: `fit` is one of `FITS`; errors as of the calibration.
+    """Verdict on a calibration: `fit` is "not converged", "untested", "noise", "other sizes",
+    "well", "roughly" or "poorly"; errors as of the calibration.
 
     - `pulling_rmse`, `resisting_rmse`: below and past the free strain [N]; NaN without readings.
     - `left_out_rmse`: at readings left out of the fit, over the largest force [-]; NaN if unknown.

@@ -23,6 +23,7 @@ from .parameters import WEAK
 
 
 _CRITICAL = NORMAL**2  # 90 % of a squared normal deviate
+_STEPS = np.linspace(0.6, 3.0, 5)  # standard deviations: well past the critical rise
 _TOLERANCE = 3e-4  # of a cost of some hundreds: 5 % of the critical rise, 3 % of its distance
 
 
@@ -33,18 +34,10 @@ def with_profiles(calibration: Calibration) -> Calibration:
     return replace(calibration, profiles=profiles(calibration, names=names))
 
 
-def profiles(
-    calibration: Calibration,
-    points: int = 11,
-    reach: float = 3.0,
-    names: Collection[str] | None = None,
-) -> tuple[Profile, ...]:
-    """Profile likelihoods [-] of a calibration's parameters, by default of all.
-
-    Each holds its parameter at up to `points` values [-], an odd number, within `reach` standard
-    deviations [-], and ends where it passes the critical rise.
+def profiles(calibration: Calibration, names: Collection[str] | None = None) -> tuple[Profile, ...]:
+    """Profile likelihoods [-] of a calibration's parameters, by default of all; each ends where it
+    passes the critical rise.
     """
-    steps = np.linspace(-reach, reach, points)
     # noise is held at its fitted value: the rise counts in proportion to noise's part of variance
     minimum = calibration.minimum
     noise = np.diag(minimum.covariance - minimum.from_curves)
@@ -53,7 +46,7 @@ def profiles(
     for i, name in enumerate(calibration.names):
         if names is not None and name not in names:
             continue
-        value, coordinate, rise = _profile(calibration, i, steps, noise_share[i])
+        value, coordinate, rise = _profile(calibration, i, noise_share[i])
         width = np.ptp(_crossings(coordinate, rise))
         factor = calibration.problem.parameters[i].deviation / WEAK  # coordinates of a factor of e
         identified = bool(width < 2 * NORMAL * KNOWN * factor)
@@ -62,10 +55,10 @@ def profiles(
 
 
 def _profile(
-    calibration: Calibration, index: int, steps: np.ndarray, noise_share: float
+    calibration: Calibration, index: int, noise_share: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Held values [SI unit] and coordinates [-] of a parameter, and the rise of the deviance after
-    a refit at each [-], times `noise_share`; `steps` in standard deviations [-].
+    a refit at each [-], times `noise_share`.
     """
     problem, C, z = calibration.problem, calibration.covariance, calibration.coordinates
     other_columns = np.delete(np.arange(z.size), index)
@@ -82,7 +75,7 @@ def _profile(
     center, deviation = problem.center[index], problem.deviation[index]
     lowest = solve(problem, z[None], np.zeros(0, dtype=int)).cost[0]
     ends = [(0.0, z)]
-    for side in (-np.sort(-steps[steps < 0]), np.sort(steps[steps > 0])):
+    for side in (-_STEPS, _STEPS):
         last_step, last, course = 0.0, z, direction
         for step in side:
             # each refit begins where the two before it lead

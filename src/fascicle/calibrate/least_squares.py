@@ -62,7 +62,6 @@ _MAX_STEPS = 200  # of the last search; some dozens are usual
 _MAX_ROUGH_STEPS = 60  # of a search to `ROUGH` or less: further steps gain far less than noise
 _TOLERANCE = 1e-8  # of coordinates: far below any parameter's uncertainty
 FINE = 1e-8  # of the cost, which is some hundreds: a few thousandths of a deviation
-_SETTLED = 5e-5  # of the cost yet to win, a hundredth of a standard deviation
 _NO_NUMBER = 1e9  # deviations, for a residual where the law has no number
 _MAX_FEV = 5  # MINPACK's status for all steps taken
 _FARTHEST = 1.0  # coordinates that the data don't determine are not sent further
@@ -381,21 +380,9 @@ def _walk(
         # gtol, an angle, would say nothing on the cost that is left
         xtol=_TOLERANCE, gtol=0.0, maxfev=_MAX_STEPS if tolerance < ROUGH else _MAX_ROUGH_STEPS,
     )  # fmt: skip
-    r, status = counts["fvec"], CONVERGED
     # 1 to 4: nothing moves any more, or no step within rounding is left
-    if flag == _MAX_FEV and _remaining(r, jacobian(end)) >= _SETTLED:
-        status = STOPPED
+    r, status = counts["fvec"], STOPPED if flag == _MAX_FEV else CONVERGED
     return complete(end), 0.5 * float(r @ r), status, int(counts["njev"])
-
-
-def _remaining(r: np.ndarray, jacobian: np.ndarray) -> float:
-    """Cost [-] that a whole Gauss-Newton step would take off: coordinates that the data hardly
-    determine creep long after the fit has settled.
-    """
-    basis, size, _ = np.linalg.svd(jacobian, full_matrices=False)
-    # a direction this much weaker than the strongest is rounding of the slopes
-    projection = np.where(size > 1e-12 * size[0], basis.T @ r, 0)
-    return 0.5 * float(projection @ projection)
 
 
 def starts_around(

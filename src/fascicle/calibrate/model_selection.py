@@ -171,7 +171,7 @@ def select_model(
     muscle, free = with_optional_laws(muscle, best.names), best.names
     full_trials, searches = _full_trials(compared, muscle, priors, options, free, noise, progress)
     final = select(full_trials, noise, loss)
-    options = replace(searches[full_trials.index(final)], starts=starts, thorough=True)
+    options = replace(searches[full_trials.index(final)], thorough=True)
     progress("fitting all readings")
     fitted = fit_data(data, muscle, final.names, _priors_of(priors, final.names), options)
     candidates = (*_mark_chosen(trials, best), *_mark_chosen(full_trials, final))

@@ -54,10 +54,3 @@ def test_only_the_variance_that_the_problem_knows_counts(made, found):
         # prior's part, under 0.01 here, which goes with the step and not with the variance
         assert_allclose(after.rise, before.rise, atol=0.01)
         assert np.log(after.high / after.low) > 1.95 * np.log(before.high / before.low)
-
-
-def test_an_end_out_of_reach_is_infinite(made):
-    found = profiles(made, points=5, reach=1.0)
-    assert len(found) == 2
-    for one in found:
-        assert (one.low, one.high) == (-np.inf, np.inf)
