@@ -221,7 +221,7 @@ def test_sliders_and_hands_move_the_point_and_the_curve_is_the_laws(visit):
     )
 
 
-def test_an_error_is_at_its_field_and_the_picture_stays(visit):
+def test_an_error_is_at_its_field_and_a_file_opens_and_saves(visit, tmp_path):
     from fascicle.explorer.widgets import page_message
 
     page = visit()
@@ -240,13 +240,9 @@ def test_an_error_is_at_its_field_and_the_picture_stays(visit):
     angle.press("Enter")
     until(page, f"old => ({SOURCE})('curve').force[0] > 1.1 * old", arg=before["force"][0])
     message.wait_for(state="hidden")
-
-
-def test_a_file_opens_and_saves(visit, tmp_path):
     muscle = fs.Muscle(0.2, 8e-3, 1.5e-3, np.radians(28))
     path = tmp_path / "mine.toml"
     fs.save(muscle, path)
-    page = visit()
     page.locator("input[type=file]").first.set_input_files(path)
     page.get_by_text("mine.toml").first.wait_for()
     until(page, "() => location.search.includes('file=')")
@@ -477,19 +473,23 @@ def test_a_finger_on_a_figure_scrolls_a_phones_page(phone):
     until(phone, f"() => ({SOURCE})('point').x[0] > 0.3")
 
 
+def barriers(page):
+    """Serious faults of a page that axe finds."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: make setup")
+    faults = axe.Axe().run(page).response["violations"]
+    grave = [fault for fault in faults if fault["impact"] in ("serious", "critical")]
+    return [f"{fault['id']}: {fault['nodes'][0]['html']}" for fault in grave]
+
+
 @pytest.mark.parametrize(("theme", "width", "height"), [("default", 390, 844), ("dark", 1280, 800)])
 def test_a_page_is_tidy_and_has_no_barriers_that_axe_finds(visit, theme, width, height):
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: make setup")
     query = f"?muscle=kim2021_bundle_1_4&theme={theme}&scenario=joint_step"
     page = visit(query, width=width, height=height)
     assert (max(background(page)) < 60) == (theme == "dark")
     for tab in tabs_one_by_one(page):
         assert (tab, untidy(page, width)) == (tab, [])
         assert page.get_by_role("figure").count() == page.locator(".bk-Figure:visible").count()
-        violations = axe.Axe().run(page).response["violations"]
-        grave = [f"{fault['id']}: {fault['nodes'][0]['html']}" for fault in violations
-                 if fault["impact"] in ("serious", "critical")]  # fmt: skip
-        assert (tab, grave) == (tab, [])
+        assert (tab, barriers(page)) == (tab, [])
 
 
 def test_a_record_is_calibrated_end_to_end(visit, tmp_path):
@@ -636,22 +636,11 @@ def focus(page, label):
     assert re.match(r"solid [1-9]", style)
 
 
-@pytest.fixture
-def first_visit(visit):
-    """Open an address as in a browser that has not seen the offer."""
-
-    def open_page(query="", **size):
-        page = visit(query, **size)
-        page.evaluate("() => localStorage.removeItem('fascicle-story')")
-        page.reload()
-        until(page, READY)
-        return page
-
-    return open_page
-
-
-def test_the_story_goes_by_keyboard_alone_and_leaves_the_inputs(first_visit):
-    page = first_visit()
+def test_the_story_goes_by_keyboard_alone_and_leaves_the_inputs(visit):
+    page = visit()
+    page.evaluate("() => localStorage.removeItem('fascicle-story')")  # of the offer, as if new
+    page.reload()
+    until(page, READY)
     page.get_by_role("button", name=OFFER).wait_for()
     before = source(page, "point")
     page.keyboard.press("Tab")
@@ -702,7 +691,6 @@ def test_the_story_goes_by_keyboard_alone_and_leaves_the_inputs(first_visit):
 
 
 def test_scenes_on_a_phone_are_tidy_and_have_no_barriers_that_axe_finds(visit):
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe: make setup")
     width, height = 390, 844
     page = visit("?strain=0.1", width=width, height=height)
     page.get_by_role("button", name="The story in four steps").click()
@@ -723,8 +711,5 @@ def test_scenes_on_a_phone_are_tidy_and_have_no_barriers_that_axe_finds(visit):
         assert (number, faults) == (number, [])
         page.set_viewport_size({"width": width, "height": height})
         if number in (1, 4):  # other scenes have the same parts
-            violations = axe.Axe().run(page).response["violations"]
-            grave = [fault["id"] for fault in violations
-                     if fault["impact"] in ("serious", "critical")]  # fmt: skip
-            assert (number, grave) == (number, [])
+            assert (number, barriers(page)) == (number, [])
         page.get_by_role("button", name="Done" if number == 4 else "Next").click()

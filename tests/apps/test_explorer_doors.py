@@ -92,10 +92,7 @@ def test_no_other_site_shows_an_answer_in_a_frame_or_guesses_its_type(port):
     assert headers["X-Content-Type-Options"] == "nosniff"
 
 
-@pytest.mark.parametrize(
-    "query",
-    ["strain=nan", "tab=%00", "name=%E2%80%AE%3Cscript%3E", "theme=%3Cscript%3E", "%FF=%FF"],
-)  # fmt: skip
+@pytest.mark.parametrize("query", ["tab=%00", "theme=%3Cscript%3Ealert", "%FF=%FF"])
 def test_other_links_open_the_page(port, query):
     status, body = get(port, f"/?{query}")
     assert status == 200
@@ -117,12 +114,16 @@ PATCHES = (
 )
 
 
+async def connect(port):
+    """A websocket of a new page."""
+    token = re.search(r'"token":"([^"]+)"', await asyncio.to_thread(lambda: get(port)[1]))[1]
+    return await websocket_connect(f"ws://127.0.0.1:{port}/ws", subprotocols=["bokeh", token])
+
+
 async def send_patches(port):
     """Open a page for each of the malformed patches, send it, and wait for the answer."""
     for patch in PATCHES:
-        token = re.search(r'"token":"([^"]+)"', await asyncio.to_thread(lambda: get(port)[1]))[1]
-        url = f"ws://127.0.0.1:{port}/ws"
-        socket = await websocket_connect(url, subprotocols=["bokeh", token])
+        socket = await connect(port)
         for _ in range(3):  # header, metadata and content of the greeting
             await socket.read_message()
         for part in ({"msgid": "1", "msgtype": "PATCH-DOC"}, {}, patch):
@@ -136,8 +137,7 @@ async def send_patches(port):
 
 async def send_buffers(port, count):
     """Send a message of `count` buffers of 1 MiB, and wait until the server closes the socket."""
-    token = re.search(r'"token":"([^"]+)"', await asyncio.to_thread(lambda: get(port)[1]))[1]
-    socket = await websocket_connect(f"ws://127.0.0.1:{port}/ws", subprotocols=["bokeh", token])
+    socket = await connect(port)
     for part in ({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": count}, {}, {"events": []}):
         await socket.write_message(json.dumps(part))
     with contextlib.suppress(WebSocketClosedError):

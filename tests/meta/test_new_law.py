@@ -81,7 +81,7 @@ for wrong in ("friction = 3", "loss = -1", "los = 1"):
     "explorer": """
 from dataclasses import replace
 from fascicle.explorer.muscle_curves import alternative_laws
-from fascicle.explorer.muscle_inputs import MuscleInputs
+from fascicle.explorer.muscle_tab import MuscleInputs
 from fascicle.explorer.state import Session, view_of
 assert "tension:toy2026" in alternative_laws(muscle.replace(tension="ideal"))
 session = Session(view_of(muscle, "toy"))

@@ -1,8 +1,7 @@
 """Explorer: the same laws in a browser, or in a notebook.
 
-Views are computed as arrays (`…_curves`) by the laws and shown by widgets
-(`…_tab`); what a session shows is one immutable `View`, which its address holds. Names are
-looked up when they are asked for, so that the command line's help loads no Panel.
+Arrays of the laws (`…_curves`) are shown by widgets (`…_tab`); what a session shows is one
+immutable `View`, which its address holds. The command line's help loads no Panel.
 """
 
 from typing import TYPE_CHECKING

@@ -154,7 +154,6 @@ class FreeStrainChart:
         self._curves = LatestResult(self._show, tab.fail, tab.is_open)
 
     def draw(self, view: View) -> None:
-        """Request the curve of a `view`."""
         first = view.pressures[0]
         self.panel.visible, self._figure.visible = len(view.units) > 1, first > 0
         if self.panel.visible and first:
@@ -220,7 +219,6 @@ class EfficiencyMaps:
         self._maps = LatestResult(self._show, self._fail, tab.is_open)
 
     def draw(self, view: View) -> None:
-        """Request the maps of a `view`, where they are shown."""
         self._path.value = view.path
         if not self.toggle.value:
             return
@@ -300,7 +298,6 @@ class BundleView(StrainTab):
         self.panel = ui.row(ui.side_column(*inputs, words, width=318), main)
 
     def draw(self, view: View) -> None:
-        """Draw all that the tab shows of a `view`."""
         self._scheme.value, self._resistance.value = str(view.scheme), view.resistance
         self._supply.show(view.supply, view.display_units["pressure"])
         self.units.show(view)
@@ -312,7 +309,6 @@ class BundleView(StrainTab):
         self.efficiency.draw(view)
 
     def follow(self, before: View, after: View) -> None:
-        """Update pressures and strain, the state there, and the pressures that carry the load."""
         if changed(before, after, "pressures"):
             self.units.show_pressures(after)
             if before.pressures[0] != after.pressures[0]:
@@ -327,7 +323,6 @@ class BundleView(StrainTab):
             self._request_recruitments(after)
 
     def export(self) -> Export:
-        """Picture and data of the workspace."""
         bundle, resistance = self.session.view.bundle, self.session.view.resistance
         variables = tables.space(bundle.workspace(resistance=resistance))
         figure = partial(plot.bundle_force_strain, bundle, resistance=resistance)

@@ -211,7 +211,6 @@ class CompareView(StrainTab):
         return cycle_colors(self.colors, len(DASHES), first=2)
 
     def draw(self, view: View) -> None:
-        """Draw all that the tab shows of a `view`."""
         self._form.show(view)
         self._rows.objects = [self._make_row(i, pin) for i, pin in enumerate(view.pins)]
         self.message.show("")
@@ -236,12 +235,10 @@ class CompareView(StrainTab):
         self._show_strain(view)
 
     def follow(self, before: View, after: View) -> None:
-        """Update what depends on the contraction."""
         if changed(before, after, "strain") and after.pins:
             self._show_strain(after)
 
     def export(self) -> Export:
-        """Picture and data of the pins."""
         view = self.session.view
         if not view.pins:
             raise ValueError("Pin a curve first: there is nothing to download yet.")

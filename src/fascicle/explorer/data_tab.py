@@ -150,7 +150,6 @@ class DataView(Tab):
         self._enable_results(False)
 
     def draw(self, view: View) -> None:
-        """Show force curves of the muscle and the fit, at the record's pressures, if any."""
         self.chart.figure.yaxis[0].axis_label = f"Force F [{view.display_units['force']}]"
         record, fit = self.record, self.fit
         if record is None:
@@ -163,7 +162,6 @@ class DataView(Tab):
         self._curves.request(compute)
 
     def export(self) -> Export:
-        """Picture and data of the record and the muscle, the tuned one where there is one."""
         record = self.record
         if record is None:
             raise ValueError("Open a record first: there is nothing to download yet.")

@@ -1,7 +1,6 @@
 """Curves of a muscle at one pressure and strain, their marks, and alternative laws.
 
-Pressures are a family of even ones and, last, the chosen one; strains are even ones with the
-kinks among them, so that curves turn sharply where the law does.
+Pressures are even ones and, last, the chosen one; among the strains are the law's kinks.
 """
 
 from functools import lru_cache
@@ -63,8 +62,7 @@ def muscle_curves(
 ) -> MuscleCurves:
     """Curves of a muscle up to `supply` [Pa] and `top` [-], and its state at a point."""
     pressures = np.r_[np.linspace(0.0, supply, FAMILY), pressure]
-    # one solution of the law for everything: the public methods would solve it eight times, and
-    # a slider waits for it
+    # one solution of the law for everything: a slider would wait for those of eight methods
     with np.errstate(all="ignore"):  # of branches that aren't taken
         state = muscle.law.at(pressures[:, None])
         free, collapse = np.asarray(state.column.free_strain), np.asarray(state.collapse_strain)

@@ -1,10 +1,18 @@
-"""Tab of one muscle: its force over strain with its parts, and the muscle itself."""
+"""Tab of one muscle: its inputs, its force over strain with its parts, and the muscle itself."""
 
-from typing import ClassVar
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any, ClassVar
 
 import numpy as np
+import panel as pn
 
 from .. import plot
+from ..core.errors import InvalidInputError
+from ..core.module import replace_checked
+from ..muscle.laws import LAWS
+from ..muscle.materials import MATERIALS
 from ..plot.theme import Colors
 from ..results import tables
 from ..units import pretty
@@ -21,10 +29,9 @@ from .muscle_curves import (
     region_strips,
     strain_limit,
 )
-from .muscle_inputs import MuscleInputs
 from .remarks import branches_text, remarks_html, tuning_note, words_html
 from .solid import Scene, muscle_solid
-from .state import Session, View, changed
+from .state import CHANGED, Session, View, changed, is_shipped
 from .tab import Export, StrainTab
 
 
@@ -35,6 +42,117 @@ _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
 # told apart without color
 _PART_DASHES = {"mesh": "dashed", "bladder": "dotdash", "bending": "dotted"}
+_CUSTOM = "its own"  # material
+_TITLES = {"post_collapse": "After collapse"}  # of laws, where it isn't the kind's name
+
+
+class MuscleInputs:
+    """Inputs of a muscle; a change makes another muscle, or shows why there is none."""
+
+    def __init__(self, session: Session):
+        self._session, self.message = session, ui.Message()
+        self.fields = {
+            name: ui.Field(label, name, dimension, partial(self._set_size, name))
+            for name, (label, dimension) in ui.SIZES.items()
+        }
+        self._material = ui.dropdown("Material", [*MATERIALS, _CUSTOM], self._choose_material)
+        self.laws = {kind: LawInputs(kind, self) for kind in LAWS}
+        sizes = [widget for field in self.fields.values() for widget in field.widgets]
+        panels = [law.panel for law in self.laws.values()]
+        laws = ui.fold("Advanced: laws and their constants", *panels)
+        self.panel = ui.column(
+            ui.column(*sizes, kind="pairs"), self._material, self.message.pane, laws
+        )
+
+    def show(self, view: View) -> None:
+        """Show the muscle of a `view`."""
+        muscle = view.muscle
+        for name, (_, dimension) in ui.SIZES.items():
+            unit = ui.field_unit(dimension, view.display_units)
+            self.fields[name].show(float(getattr(muscle, name)), unit)
+        names = [name for name, material in MATERIALS.items() if material == muscle.material]
+        self._material.value = names[0] if names else _CUSTOM
+        for kind, law in self.laws.items():
+            law.show(getattr(muscle, kind), view.display_units)
+        self.message.show("")
+
+    def change(self, **parts: object) -> None:
+        """Replace parts of the session's muscle, and rename it; `ValueError` if it can't be."""
+        view, opened = self._session.view, self._session.opened
+        muscle, name = view.muscle.replace(**parts), view.name.removesuffix(CHANGED)
+        if muscle == opened.muscle:
+            name = opened.name
+        elif not is_shipped(name, muscle):
+            name += CHANGED
+        after = replace(view, muscle=muscle, name=name)
+        _ = after.bundle  # raises at this field if it can't be a bundle any more
+        self._session.show(after)
+
+    def _set_size(self, name: str, value: float) -> None:
+        try:
+            self.change(**{name: value})
+        except InvalidInputError as error:
+            # a rule between two sizes names one of them: it is shown at both
+            if error.argument != name and error.argument in self.fields:
+                self.fields[error.argument].show_error(error)
+            raise
+
+    def _choose_material(self, name: str) -> None:
+        if name != _CUSTOM and MATERIALS[name] != self._session.view.muscle.material:
+            with self.message.errors():
+                self.change(material=name)
+
+
+class LawInputs:
+    """Inputs of one kind of law: its name, and a field for each of its constants and options."""
+
+    def __init__(self, kind: str, inputs: MuscleInputs):
+        self._kind, self._inputs, self._message = kind, inputs, ui.Message()
+        self._law: Any = None
+        self.fields: dict[str, ui.Field] = {}
+        self.choices: dict[str, pn.widgets.Select] = {}
+        names = {name.replace("_", " "): name for name in LAWS[kind]}
+        self.select = ui.dropdown(_TITLES.get(kind, kind.capitalize()), names, self._choose_law)
+        self._constants = ui.column(margin=(0, 0, 0, 12))
+        self.panel = ui.column(self.select, self._message.pane, self._constants)
+
+    def show(self, law: Any, units: Mapping[str, str]) -> None:
+        """Show a `law` with quantities in `units`, by dimension."""
+        before, self._law = self._law, law
+        if type(law) is not type(before):
+            self.fields, self.choices = {}, {}
+            for name, dimension in ((x.name, x.dimension) for x in law.constants()):
+                set_value = partial(self._set_constant, name)
+                self.fields[name] = ui.Field(_label_of(name), name, dimension, set_value)
+            for switch in law.switches():
+                options = {option.replace("_", " "): option for option in switch.options}
+                choose = partial(self._choose_option, switch.name)
+                self.choices[switch.name] = ui.dropdown(_label_of(switch.name), options, choose)
+            fields = [widget for field in self.fields.values() for widget in field.widgets]
+            self._constants.objects = [*fields, *self.choices.values()]
+        self.select.value = law.name
+        for constant in law.constants():
+            unit = ui.field_unit(constant.dimension, units)
+            self.fields[constant.name].show(float(getattr(law, constant.name)), unit)
+        for name, choice in self.choices.items():
+            choice.value = getattr(law, name)
+
+    def _set_constant(self, name: str, value: object) -> None:
+        self._inputs.change(**{self._kind: replace_checked(self._law, {name: value})})
+
+    def _choose_law(self, name: str) -> None:
+        if name != self._law.name:
+            with self._message.errors():
+                self._inputs.change(**{self._kind: name})
+
+    def _choose_option(self, name: str, option: str) -> None:
+        if option != getattr(self._law, name):
+            with self._message.errors():
+                self._set_constant(name, option)
+
+
+def _label_of(name: str) -> str:
+    return name.replace("_", " ").capitalize()
 
 
 class MuscleView(StrainTab):
@@ -63,7 +181,6 @@ class MuscleView(StrainTab):
         self.panel = ui.row(ui.side_column(*inputs, width=284), main)
 
     def draw(self, view: View) -> None:
-        """Show a `view`."""
         self.top = strain_limit(view.muscle, view.supply)
         self.inputs.show(view)
         curves = self._compute_curves(view)
@@ -74,7 +191,6 @@ class MuscleView(StrainTab):
         self.notes.object = remarks_html(view, "muscle") + note
 
     def follow(self, before: View, after: View) -> None:
-        """Update what depends on pressure and contraction."""
         if changed(before, after, "pressure", "strain"):
             curves = self._compute_curves(after)
             if changed(before, after, "pressure"):
@@ -82,7 +198,6 @@ class MuscleView(StrainTab):
             self._show_point(after, curves)
 
     def export(self) -> Export:
-        """Picture and data of the curve at the view's pressure."""
         view, strain = self.session.view, np.linspace(0.0, self.top, POINTS)
         arguments = view.muscle, [view.pressure], strain
         variables = tables.muscle_force(*arguments)

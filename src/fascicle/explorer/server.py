@@ -206,7 +206,6 @@ def guard(app: Application, host: str, allowed: Sequence[str]) -> None:
         """Requests with a `reject_reason`."""
 
         def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
-            """Arguments of the handler of a rejected request."""
             reason = reject_reason(request.path, request.headers, host, allowed)
             if request.host.startswith("["):
                 # Panel splits it at the colon: an IPv6 address would end in a page of status 500
@@ -241,8 +240,6 @@ class _ProtectedAnswer(OutputTransform):
     def transform_first_chunk(
         self, status_code: int, headers: HTTPHeaders, chunk: bytes, finishing: bool
     ) -> tuple[int, HTTPHeaders, bytes]:
-        """The answer with these headers."""
-        del finishing  # all chunks have the headers of the first
         headers["Content-Security-Policy"] = "frame-ancestors 'self'"
         headers["X-Content-Type-Options"] = "nosniff"
         return status_code, headers, chunk
@@ -252,11 +249,9 @@ class _RejectPage(RequestHandler):
     """Answers a rejected request by a page with the reason, and its status."""
 
     def initialize(self, reason: tuple[int, str]) -> None:
-        """Take the status and the sentence of the page."""
         self._reason = reason
 
     def prepare(self) -> None:
-        """Send the page."""
         status, text = self._reason
         self.set_status(status)
         title = "This explorer can't be opened like that"
@@ -273,7 +268,6 @@ class LineFormatter(logging.Formatter):
     """Formats a log record as one line, without its traceback: its text is a visitor's."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Line of the record."""
         text = record.getMessage().split("\n", 1)[0]
         error = record.exc_info[1] if record.exc_info else None
         reason = f": {type(error).__name__}: {error}" if error else ""

@@ -40,10 +40,9 @@ _FRAME = ":host { border-radius: var(--round); background: var(--raised); cursor
 
 @dataclass(frozen=True)
 class Solid:
-    """A muscle in space: `points` [m] of its tube and fittings, `fibers` [m] of its braid.
-
-    Points are a row each; fibers and their outward `normals`: fiber, point, axis. The braid's
-    `angle` [rad] and the tube's `radius` [m] are those where it isn't folded.
+    """A muscle in space: `points` [m] of its tube and fittings, a row each; `fibers` [m] of its
+    braid, and their outward `normals`: fiber, point, axis. The braid's `angle` [rad] and the tube's
+    `radius` [m] are those where it isn't folded.
     """
 
     points: np.ndarray
@@ -175,10 +174,8 @@ class Scene:
         reach: tuple[float, float],
         rest: tuple[float, float] = (0.0, 1.0),
     ) -> None:
-        """Show solids at `positions` (angle [rad], x, y [m]), and `reach` [m] across and up.
-
-        `colors` of each one's tube and fibers; color of each `fitting`. `rest`: strain [-] and
-        rest length [m] of a muscle that can be pulled.
+        """Show solids with `colors` of tube and fibers at `positions` (angle [rad], x, y [m]), and
+        `reach` [m] across and up; `rest`: strain [-] and rest length [m] of a muscle to pull.
         """
         pairs = zip(solids, positions, strict=True)
         parts = zip(*(solid.transform(*position) for solid, position in pairs), strict=True)

@@ -1,7 +1,7 @@
 """Story in four scenes: a muscle pulls, buckles and folds; a second unit shortens a bundle's reach.
 
-A scene sets the inputs of its tab; its sentences follow the view, with the model's numbers. At the
-end the inputs are again those from before the story, unless another muscle was opened meanwhile.
+A scene sets the inputs of its tab; its sentences follow the view. At the end the inputs are again
+those from before, unless another muscle was opened meanwhile.
 """
 
 from collections.abc import Callable
@@ -24,17 +24,8 @@ _WHY = (
     "Slack, the tubes of unit 2 are folded and push a little. A little pressure stiffens them"
     " before it shortens them, so that they push harder; only more pressure lets them pull along."
 )
-_SET_FIELDS = (
-    "tab",
-    "name",
-    "muscle",
-    "supply",
-    "units",
-    "pressures",
-    "pressure",
-    "strain",
-    "resistance",
-)
+# that scenes set
+_FIELDS = ("tab", "name", "muscle", "supply", "units", "pressures", "pressure", "strain")
 _TENSION, _BUCKLED, _COLLAPSED, _STRAIGHT = range(len(REGIONS))
 _SHARE = 1 / 3  # of the supply, in the muscle's scenes: all three regions are well in the figure
 _SECOND_PRESSURE = 60e3  # Pa, of the second unit, where no pressure shortens the reach
@@ -89,7 +80,7 @@ class Story:
         self._stop_playing()
         self.scene = 0
         if self._session.opened is self._opened:
-            inputs = {name: getattr(self._before, name) for name in _SET_FIELDS}
+            inputs = {name: getattr(self._before, name) for name in (*_FIELDS, "resistance")}
             self._session.show(replace(self._session.view, **inputs))
         self._session.limit_undo(False)
         self._running.visible = False

@@ -85,12 +85,7 @@ class Curve(NamedTuple):
     width: float = 2.0
 
 
-class ChartCurves(NamedTuple):
-    """The `curves` of a chart."""
-
-    title: str
-    unit: str
-    curves: list[Curve]
+ChartCurves = tuple[str, str, list[Curve]]  # title, unit and curves of a chart
 
 
 class ScenarioInputs:
@@ -281,7 +276,6 @@ class TimeView(Tab):
         self.panel = ui.row(self.inputs.panel, main)
 
     def draw(self, view: View) -> None:
-        """Draw all that the tab shows of a `view`."""
         self.inputs.show(view)
         try:
             require("jax")
@@ -415,11 +409,11 @@ class TimeView(Tab):
         openings = _curves(self._openings().T, by_unit)
         of_run = f", {run.policy}" if len(runs) > 1 else ""
         return [
-            ChartCurves(f"{'Moment' if rotary else 'Force'} on the load", force_unit, forces),
-            ChartCurves("Angle" if rotary else "Contraction", length_unit, positions),
-            ChartCurves(f"Pressures, gauge{of_run}", pressure_unit, pressures),
-            ChartCurves(f"Valves{of_run}: + to the supply, − to the room", "–", openings),
-            ChartCurves(f"Energies since the start{of_run}", "J", self._energies(colors)),
+            (f"{'Moment' if rotary else 'Force'} on the load", force_unit, forces),
+            ("Angle" if rotary else "Contraction", length_unit, positions),
+            (f"Pressures, gauge{of_run}", pressure_unit, pressures),
+            (f"Valves{of_run}: + to the supply, − to the room", "–", openings),
+            (f"Energies since the start{of_run}", "J", self._energies(colors)),
         ]
 
     def _openings(self) -> np.ndarray:
@@ -484,7 +478,6 @@ class TimeView(Tab):
         self._player.show(fixed, columns)
 
     def export(self) -> Export:
-        """Picture of the charts, and the whole run's data."""
         if self.result is None:
             raise ValueError("Run a scenario first: there is nothing to download yet.")
         kind = self.drawn_run.policy.split(" ")[0] or "run"
@@ -497,12 +490,12 @@ class TimeView(Tab):
 def charts_figure(time: np.ndarray, charts: Sequence[ChartCurves]) -> Figure:
     """Figure of `charts` over `time` [s], one below the other."""
     figure, axes = new_figure(len(charts), 1, DOUBLE, _PICTURE_HEIGHT * len(charts), sharex=True)
-    for ax, chart in zip(axes[:, 0], charts, strict=True):
-        for curve in chart.curves:
+    for ax, (title, unit, curves) in zip(axes[:, 0], charts, strict=True):
+        for curve in curves:
             style: Any = {"linestyle": _DASHES[curve.dash][1], "linewidth": curve.width * 0.6}
             ax.plot(time, curve.values, color=curve.color, label=curve.label, **style)
-        ax.set_title(chart.title, loc="left")
-        ax.set_ylabel(f"[{chart.unit}]")
+        ax.set_title(title, loc="left")
+        ax.set_ylabel(f"[{unit}]")
         ax.set_xlim(time[0], time[-1])
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))  # beside the curves
     axes[-1, 0].set_xlabel("Time t [s]")

@@ -4,7 +4,7 @@ import pytest
 
 import fascicle as fs
 from fascicle.explorer.bundle_tab import UnitRows
-from fascicle.explorer.muscle_inputs import MuscleInputs
+from fascicle.explorer.muscle_tab import MuscleInputs
 from fascicle.explorer.state import Session, view_of
 from fascicle.explorer.widgets import QuantitySlider
 from fascicle.muscle import LAWS
