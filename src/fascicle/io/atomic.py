@@ -2,17 +2,21 @@
 
 The content is written into a hidden draft folder beside the target, flushed to the disk, and moved
 to the target in one step; an error before that leaves an existing file untouched. A file that
-appears at the target meanwhile stays, unless it may be overwritten.
+appears at the target meanwhile stays, unless it may be overwritten. Drafts of killed runs are
+found by their name and age, and removed by later ones.
 """
 
 import contextlib
 import os
 import secrets
 import shutil
+import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 
+_DRAFT, _DRAFT_END = ".fascicle-", ".draft"  # of a hidden folder's name
+_ABANDONED = 24 * 3600.0  # s after the last change to a draft: no writer pauses for so long
 _BROWSER_FILES = {"Thumbs.db", "desktop.ini"}  # that file browsers add, as hidden files
 
 
@@ -68,7 +72,11 @@ def open_draft(target: Path) -> Iterator[Path]:
     """Context of a path of the target's name in a hidden folder beside the `target`, which is
     removed at the end.
     """
-    folder = target.parent / f".fascicle-{secrets.token_hex(4)}.draft"
+    for former in target.parent.glob(f"{_DRAFT}*{_DRAFT_END}"):
+        with contextlib.suppress(OSError):
+            if time.time() - former.stat().st_mtime > _ABANDONED:
+                shutil.rmtree(former, ignore_errors=True)
+    folder = target.parent / f"{_DRAFT}{secrets.token_hex(4)}{_DRAFT_END}"
     folder.mkdir()
     try:
         yield folder / target.name

@@ -37,10 +37,17 @@ def write_store(path, **texts):
     atomic.write(path, fill, is_own=lambda entry: entry.name.startswith("own-"))
 
 
-def test_a_killed_writer_changes_nothing(tmp_path):
+def test_a_killed_writer_changes_nothing_and_its_draft_is_removed(tmp_path):
     (tmp_path / "x.csv").write_text("old")
     done = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "x.csv")], timeout=120)
     assert done.returncode == -signal.SIGKILL and (tmp_path / "x.csv").read_text() == "old"
+    (draft,) = (entry for entry in tmp_path.iterdir() if entry.name.startswith("."))
+    atomic.write_text(tmp_path / "y.csv", "x")
+    assert draft.exists()  # another may still write
+    yesterday = draft.stat().st_mtime - 25 * 3600
+    os.utime(draft, (yesterday, yesterday))
+    atomic.write_text(tmp_path / "z.csv", "x")
+    assert names(tmp_path) == ["x.csv", "y.csv", "z.csv"]
 
 
 def test_a_folder_is_replaced_but_for_what_is_not_its_own(tmp_path):
