@@ -133,11 +133,11 @@ class SearchResult:
         points = self.points
         low, high = points.min(axis=0), points.max(axis=0)
         loss = (points - low) / np.where(high > low, high - low, 1.0)
-        size = self._sizes(self.front)
-        # the last key counts first; all end with size: of equal ones the smallest
+        size, muscles = self._sizes(self.front), self.designs.counts.sum(axis=1)
+        # the last key counts first; of equal ones the smallest
         keys = {
             "compromise": (size, loss.sum(axis=1), loss.max(axis=1)),
-            "simplest": (size, self.values["valves"][self.front]),
+            "simplest": (muscles, size, self.values["valves"][self.front]),
             "most efficient": (size, -self.values["mean_efficiency"][self.front]),
         }
         if self.catalog.is_priced(self.space.drawings):

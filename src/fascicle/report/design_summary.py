@@ -139,9 +139,10 @@ def _nearest_text(answer: Answer, sizes: str) -> str:
     i, missed = int(np.argmin(cases.relative)), int(np.sum(~cases.reached))
     force, strain = float(cases.largest[i]), cases.task.strain_of(cases.length)[i]
     response = f"it gives {pretty(force, 'force')}" if force > 0 else "it only pushes"
+    misses = f"{missed} of {len(cases.task)} load cases, worst case {i + 1}"
     return (
-        f"The nearest is {sizes}. It misses {missed} of {len(cases.task)} load cases, worst case"
-        f" {i + 1} by {pretty(-cases.spare[i], 'force')}: {pretty(cases.task.force[i], 'force')} at"
+        f"The nearest is {sizes}. It misses {misses if len(cases.task) > 1 else 'the load case'} by"
+        f" {pretty(-cases.spare[i], 'force')}: {pretty(cases.task.force[i], 'force')} at"
         f" {100 * strain:.3g} % contraction, where {response}."
     )
 

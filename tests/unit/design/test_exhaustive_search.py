@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fascicle.core.errors import InvalidInputError
-from fascicle.design import Limit, Space, Task, search
+from fascicle.design import Catalog, Limit, Space, Task, search
 from fascicle.design.objectives import as_minimization
 
 
@@ -49,6 +49,14 @@ def test_offers_are_on_the_front_and_best_in_their_way(result):
     assert values["valves"][result.offers["simplest"]] == values["valves"].min()
     efficient = result.offers["most efficient"]
     assert values["mean_efficiency"][efficient] == values["mean_efficiency"].max()
+
+
+def test_the_simplest_of_one_cross_section_has_fewest_muscles(muscle):
+    space = Space({"m": muscle}, (4, 2), radius=(0.014,), radius_rule="cross_section")
+    prices = Catalog({}, "EUR", valve=1.0, muscle=1.0)
+    result = search(space, Task.of([100.0], [0.05], 413.7e3), catalog=prices)
+    assert {"2", "4"} <= set(result.designs.labels)
+    assert result.designs.labels[result.offers["simplest"]] == "2"
 
 
 def test_a_cheaper_design_that_is_dominated_is_not_recommended(muscle):
