@@ -438,8 +438,9 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Ca
         weight, used = data.settled.astype(float), data.grid.used
         for force in forces:
             force[used] += loop_force(data.grid, data.branch, weight, force[used])
-    errors = [_settled(data, data.errors(force)) for force in forces]
-    return [make_candidate((), "tuning", fitted[1], *errors, loss, largest_force(data.record))]
+    errors, left_out = (_settled(data, data.errors(force)) for force in forces)
+    top = largest_force(data.record)
+    return [make_candidate((), "tuning", fitted[1], errors, left_out, loss, top)]
 
 
 def _full_trials(
