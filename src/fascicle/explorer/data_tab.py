@@ -1,8 +1,8 @@
-"""Tab of measured data: a record and the muscle's curves, and the muscle fitted to it."""
+"""Tab of measured data: records within limits, the muscle's curves, and the muscle fitted to it."""
 
 import datetime as dt
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import ClassVar, NamedTuple
 
@@ -10,22 +10,36 @@ import numpy as np
 import panel as pn
 
 from ..calibrate import Selection
+from ..calibrate.data import assign_levels
 from ..calibrate.parameters import parameters_of
 from ..core.validation import HIGHEST_PRESSURE
 from ..files.calibration_files import calibrated_files
+from ..muscle import Muscle
+from ..muscle.validation import extension_message, lowest_strain
 from ..plot.theme import APART, Colors
+from ..records import loads
+from ..records.headers import MissingMetadataError
 from ..records.record import Record
 from ..report import calibration_words as words
 from ..report.calibration import CalibrationResult, report
 from ..report.calibration_figures import draw_fit, figures, measured_with_curves
 from ..results import Table, Variable
-from . import measured
+from ..units import pretty
 from . import widgets as ui
 from .chart import Chart, padded_range, pressure_colors, screen_height
 from .state import Session, View, view_of
 from .tab import Export, LatestResult, Progress, Tab, output_stem
 
 
+LARGEST_FILE = 5_000_000  # bytes: a record of the most rows
+MOST_ROWS = 100_000  # a fit to more takes minutes
+MOST_CURVES, MOST_POINTS = 100, 4_000  # that are drawn: a browser draws them at once
+STARTS = 2  # starting points of a fit: few, so that it doesn't take long
+AUTOMATIC, TUNING = "automatic", "tuning"  # instead of names of constants to fit
+_POINTS = 121  # along a curve
+_PRESSURES = (0.0, 1e5, 2e5, 3e5, 4e5)  # Pa, of the example record
+_TAIL = 0.02  # of the largest force: above it a muscle still pulls
+_PLAUSIBLE = 1.4  # of the free strain: no muscle's own record pulls beyond it
 _SIDE, _GAP = 0.015, 0.06  # of a range: room around the readings and the labels of pressures
 _MARGIN = 220  # pixels of the screen beside the figure
 _EXAMPLE = "example.csv"
@@ -36,7 +50,7 @@ _MOST_NOTES = 12  # of a record
 _ROLES = ("pressure", "force", "strain", "displacement", "length")  # of columns that have fields
 _BY_NAME = "constants of your choice"
 # as measured with 300 and 5000 readings on two cores
-_DURATIONS = {measured.AUTOMATIC: "20 to 40 s", measured.TUNING: "10 s", _BY_NAME: "a few seconds"}
+_DURATIONS = {AUTOMATIC: "20 to 40 s", TUNING: "10 s", _BY_NAME: "a few seconds"}
 _UNDETERMINED = (
     "Here a prior is a value that you enter: measure the size, enter it in the tab Muscle, and fit"
     f" {_BY_NAME} without it. fascicle calibrate takes its deviation, too."
@@ -45,7 +59,7 @@ _TEXT = (
     "<h2>Your own muscle, as it was measured</h2><p>Open a dynamometer's CSV, .xlsx or .mat:"
     " pressure, force, and strain, length or displacement, with units in its header. Its readings"
     " appear here beside this muscle's curves; then the muscle is tuned to them, with an interval"
-    f" for each constant. At most {measured.MOST_ROWS} rows; they stay in this session's memory. No"
+    f" for each constant. At most {MOST_ROWS} rows; they stay in this session's memory. No"
     " record at hand? There is a synthetic one of this muscle, a little thicker and steeper than"
     " drawn.</p>"
 )
@@ -54,6 +68,114 @@ _FORM = """<p class="small">Such a file begins with</p><pre>pressure [kPa],strai
 100,0.00,…
 100,0.02,…
 200,0.00,…</pre>"""
+
+
+class ModelCurves(NamedTuple):
+    """A muscle's curves at pressures of a record: `pressure` [Pa], `strain` [-], `force` [N] by
+    row; `total` of pressures in the record, of which `MOST_CURVES` at most have a curve.
+    """
+
+    pressure: np.ndarray
+    strain: np.ndarray
+    force: np.ndarray
+    total: int
+
+
+def read_record(
+    raw: bytes, name: str, muscle: Muscle, options: Mapping[str, object] | None = None
+) -> Record:
+    """Record of an uploaded file; the `muscle`'s length stands in for a missing rest length."""
+    if not raw.strip():
+        raise ValueError(f"{name}: the file is empty, {len(raw)} bytes.")
+    if len(raw) > LARGEST_FILE:
+        raise ValueError(f"{name}: a record may have {LARGEST_FILE} bytes, got {len(raw)}.")
+    length = float(muscle.length)
+    try:
+        record = loads(raw, name, default_length=length, **dict(options or {}))
+    except MissingMetadataError as error:
+        raise ValueError(error.message(_in_page_words)) from None
+    except ImportError as error:
+        raise ValueError(f"{name}: {error}") from None
+    if len(record) > MOST_ROWS:
+        raise ValueError(
+            f"{name}: a record may have {MOST_ROWS} rows here, got {len(record)}:"
+            " thin it out, or use `fascicle calibrate`."
+        )
+    try:
+        curves_at_levels(muscle, record)
+    except ValueError as error:
+        raise ValueError(f"{name}: this muscle has no curve at its strains: {error}") from None
+    return record
+
+
+def _in_page_words(argument: str, role: str, value: str) -> str:
+    """An argument of the reader as the page has it."""
+    fields = {"columns": "Column", "units": "Unit"}
+    if not role or argument not in fields:
+        return "`fascicle calibrate`, which takes more"
+    return f"the field {fields[argument]} of {role}" + f", `{value}` for instance" * bool(value)
+
+
+def example_record(muscle: Muscle) -> bytes:
+    """Synthetic record, as a file, of a muscle a little thicker and steeper than the `muscle`."""
+    from ..records import VirtualDynamometer, dumps
+
+    machine = VirtualDynamometer(list(_PRESSURES), samples=60, both_ways=False)
+    built = muscle.replace(
+        outer_radius=1.02 * muscle.outer_radius, braid_angle=0.97 * muscle.braid_angle
+    )
+    return dumps(machine.record(built, seed=7)).encode()
+
+
+def mismatch_reason(muscle: Muscle, record: Record) -> str:
+    """Reason why a `record` doesn't suit this `muscle`; else empty."""
+    if stretched := extension_message(record.strain, lowest_strain(muscle.law)):
+        return stretched
+    highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))
+    if not highest:
+        return "The record has no pressure above zero: tension can't be fitted to it."
+    pulls = record.strain[record.force > _TAIL * record.force.max()]
+    farthest, free = float(pulls.max(initial=0.0)), float(muscle.free_strain(highest))
+    if farthest <= _PLAUSIBLE * free:
+        return ""
+    length = muscle.length if record.rest_length is None else record.rest_length
+    return (
+        f"This record hardly fits this muscle: it pulls at a contraction of {farthest:.3g}, past"
+        f" the muscle's free strain of {free:.3g}. Contractions are taken over a rest length of"
+        f" {pretty(float(length), 'length')}: enter the record's Rest length if it differs, or open"
+        " the muscle that was measured."
+    )
+
+
+def curves_at_levels(muscle: Muscle, record: Record) -> ModelCurves:
+    """The model's curves at the mean pressures of a `record`'s levels, at most 100 of them."""
+    level = assign_levels(record.pressure)
+    levels = np.unique(level[level >= 0])
+    drawn = levels[np.unique(np.linspace(0, len(levels) - 1, MOST_CURVES).astype(int))]
+    pressure = np.array([record.pressure[level == number].mean() for number in drawn])
+    low, high = min(0.0, float(record.strain.min())), float(record.strain.max())
+    strain = np.linspace(low, max(high, low + 0.01), _POINTS)
+    force = muscle.force(np.clip(pressure, 0.0, HIGHEST_PRESSURE)[:, None], strain)
+    return ModelCurves(pressure, strain, np.asarray(force), len(levels))
+
+
+def fit_record(
+    record: Record,
+    muscle: Muscle,
+    progress: Callable[[str], object],
+    names: Sequence[str] = (AUTOMATIC,),
+) -> Selection:
+    """Model selected for a `record`: the best of all (`AUTOMATIC`), or a fit of the laws' `TUNING`
+    or of constants by their `names`; `progress` takes each step.
+    """
+    from ..calibrate.fitting import fit
+    from ..calibrate.model_selection import select_model
+
+    if tuple(names) == (AUTOMATIC,):
+        return select_model(record, muscle, starts=STARTS, progress=progress)
+    progress("fitting")
+    free = None if tuple(names) == (TUNING,) else list(names)
+    return Selection(fit(record, muscle, free, starts=STARTS, whole=False))
 
 
 class RecordInputs:
@@ -125,8 +247,8 @@ class DataView(Tab):
         self._other_example = ui.button(label, self.open_example, visible=False, **wide)
         self.read_inputs = RecordInputs(lambda _: self._read())
         kinds = {
-            "what the data determine": measured.AUTOMATIC,
-            "the paper's tuning": measured.TUNING,
+            "what the data determine": AUTOMATIC,
+            "the paper's tuning": TUNING,
             _BY_NAME: _BY_NAME,
         }
         self.constants = ui.widget(
@@ -155,9 +277,9 @@ class DataView(Tab):
         if record is None:
             return
 
-        def compute() -> tuple[measured.ModelCurves, measured.ModelCurves | None]:
-            tuned = fit and measured.curves_at_levels(fit.selection.calibration.muscle, record)
-            return measured.curves_at_levels(view.muscle, record), tuned
+        def compute() -> tuple[ModelCurves, ModelCurves | None]:
+            tuned = fit and curves_at_levels(fit.selection.calibration.muscle, record)
+            return curves_at_levels(view.muscle, record), tuned
 
         self._curves.request(compute)
 
@@ -195,7 +317,7 @@ class DataView(Tab):
     def open_example(self) -> None:
         """Open the synthetic record of the session's muscle."""
         self.file.clear()  # the example replaces it
-        self.open_record(measured.example_record(self.session.view.muscle), _EXAMPLE)
+        self.open_record(example_record(self.session.view.muscle), _EXAMPLE)
 
     def open_record(self, raw: bytes, name: str) -> None:
         """Open a file; the earlier record is dropped, even if the file can't be read."""
@@ -212,13 +334,13 @@ class DataView(Tab):
             return
         try:
             options = self.read_inputs.options(view.display_units["length"])
-            record = measured.read_record(self._raw, name, view.muscle, options)
+            record = read_record(self._raw, name, view.muscle, options)
         except ValueError as error:
             self.message.show(error)
             return
         names = parameters_of(view.muscle)
         self.constants.options = {name.replace("_", " "): name for name in names}
-        self.message.show(measured.mismatch_reason(view.muscle, record))
+        self.message.show(mismatch_reason(view.muscle, record))
         self._set_record(record)
         count = (
             f"{len(record)}{' synthetic' * (name == _EXAMPLE)} reading{'s' * (len(record) != 1)}"
@@ -241,14 +363,14 @@ class DataView(Tab):
         for result in (self.use, *self.saves):
             result.disabled = not enabled
 
-    def _show_curves(self, pair: tuple[measured.ModelCurves, measured.ModelCurves | None]) -> None:
+    def _show_curves(self, pair: tuple[ModelCurves, ModelCurves | None]) -> None:
         before, after = pair
         _, scale = self.unit("force")
         number = len(before.pressure)
         colors = pressure_colors(self.colors, number)
         record = self.record
         assert record is not None  # else nothing is drawn
-        drawn = np.unique(np.linspace(0, len(record) - 1, measured.MOST_POINTS).astype(int))
+        drawn = np.unique(np.linspace(0, len(record) - 1, MOST_POINTS).astype(int))
         strain, force = record.strain[drawn], record.force[drawn]
         nearest = np.abs(record.pressure[drawn, None] - before.pressure).argmin(axis=1)
         fills = [colors[i] for i in nearest]
@@ -298,7 +420,7 @@ class DataView(Tab):
                 raise ValueError("The fit was cancelled.")
 
         def compute() -> FitResult:
-            selection = measured.fit_record(record, muscle, progress, names)
+            selection = fit_record(record, muscle, progress, names)
             calibration, today = selection.calibration, f"{dt.datetime.now().astimezone():%Y-%m-%d}"
             candidates = selection if selection.candidates else None
             progress("drawing the report")

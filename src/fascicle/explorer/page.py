@@ -19,9 +19,8 @@ from ..plot.theme import TITLE
 from . import widgets as ui
 from .bundle_tab import BundleView
 from .compare_tab import CompareView
-from .data_tab import RECORD_SUFFIXES, DataView
+from .data_tab import LARGEST_FILE, RECORD_SUFFIXES, DataView
 from .link import to_query
-from .measured import LARGEST_FILE
 from .muscle_tab import MuscleView
 from .state import CHANGED, CONTENT_FIELDS, DISPLAY_UNITS, TABS, Session, View, changed, view_of
 from .story import Story

@@ -7,10 +7,10 @@ import pytest
 
 import fascicle as fs
 from fascicle import records
-from fascicle.explorer.data_tab import DataView
-from fascicle.explorer.measured import (
+from fascicle.explorer.data_tab import (
     LARGEST_FILE,
     MOST_ROWS,
+    DataView,
     curves_at_levels,
     example_record,
     fit_record,
