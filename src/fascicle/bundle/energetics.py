@@ -227,7 +227,7 @@ def average_efficiency(
     arguments and errors are those of `efficiency_map`: `supply_pressure` [Pa].
     """
     options = {"resistance": resistance, "scheme": scheme}
-    return efficiency_map(bundle, supply_pressure, path, **options).average  # type: ignore[arg-type]
+    return efficiency_map(bundle, supply_pressure, path, **options).average
 
 
 def _largest_work(forces: np.ndarray, works: np.ndarray, target: np.ndarray) -> Grid:
