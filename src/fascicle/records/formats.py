@@ -45,16 +45,10 @@ _MAX_ROWS = 2**20  # of a sheet, Excel's own limit: a cell far below makes as ma
 
 
 def table_texts(raw: bytes, source: str, table: str | None = None) -> dict[str, bytes]:
-    """Text of a file's table, or of several, by name; a text file is one without name.
+    """Text of a file's tables by name; a text file is one without name.
 
-    **Arguments:**
-
-    - `raw`: the file's bytes; `source`: its name in errors.
-    - `table`: name of the sheet, matrix or group, or a pattern such as `"*"` for all with readings
-      that it fits; default: the one with readings.
-
-    **Raises:** `ValueError` for a file that can't be read; `MissingExtraError` if its library isn't
-    installed.
+    `table`: name of the sheet, matrix or group, or a pattern such as `"*"` for all with readings;
+    default: the one with readings. `ValueError` for a file that can't be read, naming `source`.
     """
     beginning = raw[:64].lstrip().lower()
     for start, remedy in _REMEDIES.items():

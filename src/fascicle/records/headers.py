@@ -287,8 +287,8 @@ def _plain(text: str) -> str:
 def score(header: str, unit: str, role: str) -> int:
     """Agreement of a header, and of a `unit` from elsewhere, with a role; 0 for none.
 
-    A name that is the role's counts more than one that mentions it, and either more with the
-    role's unit. A unit of pressure or force is enough where the name says nothing.
+    The role's own name counts more than a mention of it, and either more with the role's unit. A
+    unit of pressure or force is enough where the name says nothing.
     """
     dimension, best = dimension_of(role), 0
     meanings = read_header(header)
@@ -372,10 +372,9 @@ class Column:
 
 
 def choose_columns(table: "Table", info: "Sidecar") -> tuple[dict[str, Column], list[str]]:
-    """Columns of a `table` to read, by role, and a note of the others.
+    """Columns of a `table` to read, by role, and notes; what `info` says overrules the header.
 
-    What `info` says overrules the header. Raises a `ValueError` for a column or a unit that is
-    missing, unknown or ambiguous.
+    Raises a `ValueError` for a column or a unit that is missing, unknown or ambiguous.
     """
     names, units, constants = info.names, dict(info.units), set(info.constants)
     constants |= {"moment_arm"} if info.arm_table else set()
@@ -682,11 +681,9 @@ def _list_names(names: Sequence[str]) -> str:
 
 
 def read_name(path: Path, pattern: str, table: str = "") -> dict[str, float]:
-    """Constants [SI] that the name of a `table` in a file, or the file's name and it, holds where
-    the `pattern` has their names in braces.
+    """Constants [SI] in the name of a `table` in a file, or of the file and it, by a `pattern`.
 
-    The unit stands after the braces, or in them: `{length}cm`, `{pressure:kPa}`; grams and the
-    like of a force are weights.
+    The unit stands after the braces, or in them: `{length}cm`, `{pressure:kPa}`; grams are weights.
     """
     choices = (*CONSTANTS, "rest_length")
     # text, and after each piece of it a name, its unit in the braces, and the unit behind them

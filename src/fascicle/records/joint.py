@@ -62,9 +62,8 @@ class ArmTable(NamedTuple):
 
 
 def read_arm_table(table: Mapping[str, Any], *, bare: bool = True) -> ArmTable:
-    """Moment arms by angle, sorted, from a checked `table` with the keys `angle` and `arm`.
-
-    Both are lists, or text such as `"0deg:90deg:10deg"`. `bare`: numbers are [rad] and [m].
+    """Moment arms by angle, sorted, from a `table` of `angle` and `arm`, lists or text such as
+    `"0deg:90deg:10deg"`. `bare`: numbers are [rad] and [m].
     """
     if set(table) != {"angle", "arm"}:
         keys = ", ".join(sorted(table)) or "none"
@@ -94,7 +93,7 @@ def read_arm_table(table: Mapping[str, Any], *, bare: bool = True) -> ArmTable:
 
 
 def sampled_arms(angle: np.ndarray, arm: np.ndarray) -> ArmTable:
-    """Table of the arms [m] that were read beside the angles [rad]; of one angle their mean.
+    """Table of the arms [m] read beside the angles [rad]; of one angle their mean.
 
     Raises a `ValueError` of a few words for arms that are no function of the angle.
     """

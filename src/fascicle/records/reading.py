@@ -128,8 +128,7 @@ def loads(
 
     - `text`: the table.
     - `source`: its name in errors.
-    - `default_length`: as of `load` [m].
-    - `options`: of `load`, but for `sidecar` and `name_pattern`.
+    - `default_length`, `options`: of `load` [SI], but for `sidecar` and `name_pattern`.
 
     **Returns:** the record.
 

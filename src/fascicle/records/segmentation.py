@@ -258,8 +258,7 @@ def _noise(values: np.ndarray) -> float:
 def find_levels(values: np.ndarray, tolerance: float) -> np.ndarray:
     """Index from 0 of the level of each of `values`, or −1 for none.
 
-    The level with most readings within the `tolerance`, in the values' unit, is found first and its
-    readings are removed; and so on, while there are levels with enough readings.
+    The level with most readings within the `tolerance` is found first; they are removed, and so on.
     """
     low, span = float(np.min(values)), float(np.ptp(values))
     if span <= 2 * tolerance:

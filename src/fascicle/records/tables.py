@@ -63,12 +63,8 @@ _DAY = 86_400.0  # s
 
 @dataclass(frozen=True)
 class NumberFormat:
-    """How a table writes numbers.
-
-    - `decimal`: the sign before decimals, a point or a comma.
-    - `grouped`: the other sign stands between thousands.
-    - `unclear`: signs of which that isn't known: `2.000` beside decimal commas, or beside 950, is
-      2 or 2000.
+    """How a table writes numbers: the sign before decimals, `decimal`; whether the other one stands
+    between thousands, `grouped`; and signs that may be either, `unclear`, as in `2.000` beside 950.
     """
 
     decimal: str = "."
@@ -95,10 +91,7 @@ class NumberFormat:
 
 
 class _Layout(NamedTuple):
-    """Delimiter of a table, and indices among its first lines: of header, units and readings.
-
-    `header`: `None` for a table that begins with numbers; `width`: cells of a row, 0 without rows.
-    """
+    """Delimiter, indices among the first lines of header, units and readings, cells of a row."""
 
     delimiter: str
     header: int | None
@@ -154,13 +147,11 @@ class Table:
     def read(
         self, numbers: Iterable[int], rows: tuple[int, int] | None = None, *, sparse: bool = False
     ) -> tuple["pd.DataFrame", list[str]]:
-        """Cells of the rows of readings by column and line of the file, the columns with indices
-        `numbers` as finite floats, and notes.
+        """Cells of the readings by column and line, columns `numbers` as finite floats, and notes.
 
-        Rows with holes in these are left out. `rows`: first and last row, from 1; default: all
-        rows, unless they are of several specimens. `sparse`: most rows may have holes. Raises a
-        `ValueError` with line and column for the first bad cell, and for a loss of more than half
-        of the rows.
+        Rows with holes in these are left out. `rows`: first and last, from 1; default: all of one
+        specimen. `sparse`: most rows may have holes. Raises a `ValueError` for the first bad cell,
+        and for a loss of more than half of the rows.
         """
         first, last = rows or (1, MAX_ROWS)
         frame = self._frame.iloc[first - 1 : last].copy()
@@ -300,9 +291,8 @@ def open_table(
 ) -> Table:
     """Read the header of a table from the `raw` bytes of a text file; its cells stay text.
 
-    `source` names the file in errors; `header_line` is the header's line, counted from 1, and
-    `decimal` the sign before decimals; default: they are inferred. `names` are the columns' names
-    of a table without header. Raises a `ValueError` for anything but a table.
+    `header_line`: of the header, from 1, `decimal`: the sign before decimals; default: inferred.
+    `names`: of the columns of a table without header. `ValueError` for anything but a table.
     """
     lines = decode(raw, source).replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
     head, remarks = _first_lines(lines, source)
@@ -581,9 +571,8 @@ def _has_integers_beside_thousands(rows: Sequence[list[str]]) -> bool:
 
 
 def read_seconds(cells: Iterable[object], numbers: NumberFormat) -> np.ndarray | None:
-    """Times: numbers as they are, in their column's unit; clock times from the first one on [s],
-    with their dates if they have them; `None` for other texts, and where day and month of a date
-    may be swapped.
+    """Times: numbers in their column's unit; clock times, with or without date, from the first [s];
+    `None` for other texts, and where day and month of a date may be swapped.
     """
     import pandas as pd
 
