@@ -1,14 +1,18 @@
 """The explorer's server as strangers find it: over HTTP and websockets, without a browser."""
 
 import asyncio
+import base64
 import contextlib
+import gzip
 import http.client
+import io
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -51,14 +55,19 @@ def get(port, path="/", **headers):
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
     connection.request("GET", path, headers=headers)
     answer = connection.getresponse()
-    body = "" if answer.status == 101 else answer.read().decode()
+    body = "" if answer.status == 101 else answer.read().decode(errors="replace")
     connection.close()
     return answer.status, body
 
 
-def opens(port, host, origin):
-    """Whether a websocket of this page is opened."""
-    token = re.search(r'"token":"([^"]+)"', get(port)[1])[1]
+def token_of(port):
+    """Token of a new page."""
+    return re.search(r'"token":"([^"]+)"', get(port)[1])[1]
+
+
+def opens(port, host, origin, token=None):
+    """Whether a websocket of this page, or of another `token`, is opened."""
+    token = token or token_of(port)
     status, _ = get(
         port, "/ws", Host=host, Origin=origin, Upgrade="websocket", Connection="Upgrade",
         **{"Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Version": "13",
@@ -114,45 +123,158 @@ PATCHES = (
 )
 
 
-async def connect(port):
-    """A websocket of a new page."""
-    token = re.search(r'"token":"([^"]+)"', await asyncio.to_thread(lambda: get(port)[1]))[1]
-    return await websocket_connect(f"ws://127.0.0.1:{port}/ws", subprotocols=["bokeh", token])
+@contextlib.asynccontextmanager
+async def connected(port):
+    """Websocket of a new page, after the server's greeting."""
+    token = await asyncio.to_thread(token_of, port)
+    socket = await websocket_connect(f"ws://127.0.0.1:{port}/ws", subprotocols=["bokeh", token])
+    for _ in range(3):  # header, metadata and content
+        await socket.read_message()
+    yield socket
+    socket.close()
+    if socket.close_code is None:  # else it has been closed
+        await closed(socket)
+
+
+async def closed(socket):
+    """Wait until the server has closed a socket."""
+    async with asyncio.timeout(60):
+        while await socket.read_message() is not None:
+            pass
+
+
+async def send(socket, patch, **header):
+    """Send a message with a `patch`."""
+    for part in ({"msgid": "1", "msgtype": "PATCH-DOC"} | header, {}, patch):
+        await socket.write_message(json.dumps(part))
 
 
 async def send_patches(port):
     """Open a page for each of the malformed patches, send it, and wait for the answer."""
     for patch in PATCHES:
-        socket = await connect(port)
-        for _ in range(3):  # header, metadata and content of the greeting
-            await socket.read_message()
-        for part in ({"msgid": "1", "msgtype": "PATCH-DOC"}, {}, patch):
-            await socket.write_message(json.dumps(part))
-        answer = json.loads(await socket.read_message())
-        assert answer["msgtype"] == "ERROR"
-        socket.close()
-        while await socket.read_message() is not None:
-            pass  # until the server has closed it, too
+        async with connected(port) as socket:
+            await send(socket, patch)
+            header, _, content = [json.loads(await socket.read_message()) for _ in range(3)]
+        assert header["msgtype"] == "ERROR"
+        assert content == {"text": "This failed: see the server's log.", "traceback": None}
 
 
 async def send_buffers(port, count):
     """Send a message of `count` buffers of 1 MiB, and wait until the server closes the socket."""
-    socket = await connect(port)
-    for part in ({"msgid": "1", "msgtype": "PATCH-DOC", "num_buffers": count}, {}, {"events": []}):
-        await socket.write_message(json.dumps(part))
-    with contextlib.suppress(WebSocketClosedError):
-        for number in range(count):
-            await socket.write_message(json.dumps({"id": str(number)}))
-            await socket.write_message(bytes(2**20), binary=True)
-    async with asyncio.timeout(60):
-        while await socket.read_message() is not None:
-            pass
-    socket.close()  # the client's end, too
+    async with connected(port) as socket:
+        await send(socket, {"events": []}, num_buffers=count)
+        with contextlib.suppress(WebSocketClosedError):
+            for number in range(count):
+                await socket.write_message(json.dumps({"id": str(number)}))
+                await socket.write_message(bytes(2**20), binary=True)
+        await closed(socket)
 
 
 def test_a_message_of_many_buffers_counts_as_a_whole(port):
     asyncio.run(send_buffers(port, 17))
     assert get(port)[0] == 200
+
+
+async def send_value(port, value):
+    """Send a `value` for a model; the code with which the server closes the socket."""
+    event = {"kind": "ModelChanged", "model": {"id": "none"}, "attr": "tags", "new": value}
+    async with connected(port) as socket:
+        await send(socket, {"events": [event]})
+        await closed(socket)
+    return socket.close_code
+
+
+ZEROS = base64.b64encode(gzip.compress(bytes(2**20))).decode()
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        [{"type": "bytes", "data": ZEROS}] * 2,
+        {"a": {"type": "ndarray", "array": ["a"], "dtype": "U9", "shape": [1], "order": "little"}},
+    ],
+)
+def test_a_message_with_values_that_swell_closes_its_socket(port, value):
+    assert asyncio.run(send_value(port, value)) == 1009
+
+
+@pytest.mark.parametrize("name", ["bokeh-session-id", "bokeh-token", "Bokeh%2DSession%2DId"])
+def test_nobody_chooses_a_session(port, name):
+    assert get(port, f"/?{name}=lure")[0] == 403
+    assert get(port, **{name.replace("%2D", "-"): "lure"})[0] == 403
+
+
+def packed(text):
+    return base64.urlsafe_b64encode(text.encode()).decode().rstrip("=")
+
+
+@pytest.mark.parametrize(
+    "token",
+    [
+        packed('{"session_id":"lure","session_expiry":99999999999}'),
+        packed('{"session_id":"q","session_expiry":1e400}'),
+        packed('{"session_id":"q","session_expiry":99999999999,"__bk__zlib_":"eNo"}'),
+        packed("[" * 9000), packed("{}") + ".", "\xff", "x.\xff", ".", "",
+    ],
+)  # fmt: skip
+def test_a_token_of_somebody_else_opens_nothing(port, token):
+    name = f"127.0.0.1:{port}"
+    assert not opens(port, name, f"http://{name}", token or " ")
+
+
+def test_a_changed_token_opens_nothing(port):
+    name, token = f"127.0.0.1:{port}", token_of(port)
+    assert not opens(port, name, f"http://{name}", "x" + token)
+    assert opens(port, name, f"http://{name}", token)
+
+
+def ids(value, **attributes):
+    """Ids of the models with these `attributes` in a `value` of a message."""
+    if isinstance(value, dict):
+        if attributes.items() <= value.get("attributes", {}).items():
+            yield value["id"]
+        value = list(value.values())
+    if isinstance(value, list):
+        for item in value:
+            yield from ids(item, **attributes)
+
+
+async def wait_for(socket, text):
+    """Content of the next message with this `text`."""
+    async with asyncio.timeout(60):
+        while text not in (part := str(await socket.read_message())):
+            pass
+    return json.loads(part)
+
+
+async def longest_wait(port, raw):
+    """Longest time that another visitor waits [s] while the file `raw` is read."""
+    data = {"type": "event", "name": "document_ready", "values": {"type": "map", "entries": []}}
+    ready = {"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": data}
+    upload = {"mime_type": "", "filename": "a.xlsx", "value": base64.b64encode(raw).decode()}
+    async with connected(port) as socket:
+        await send(socket, {"events": [ready]})
+        (file,) = ids(await wait_for(socket, "Open a file"), title="Open a file")
+        change = {"kind": "ModelChanged", "model": {"id": file}}
+        await send(socket, {"events": [change | {"attr": k, "new": v} for k, v in upload.items()]})
+        await wait_for(socket, "reading a.xlsx")
+        reading, waits = asyncio.create_task(wait_for(socket, "export the readings")), []
+        while not reading.done():
+            began = time.monotonic()
+            await asyncio.to_thread(get, port, "/favicon.ico")
+            waits.append(time.monotonic() - began)
+            await asyncio.sleep(0.05)
+        await reading
+    return max(waits)
+
+
+def test_nobody_waits_for_the_file_of_another(port):
+    sheet = pytest.importorskip("openpyxl").Workbook()
+    sheet.active.append(["pressure [kPa]", "strain", "force [N]"])
+    sheet.active.cell(2**18, 3, 1.0)  # empty rows above it take a second
+    file = io.BytesIO()
+    sheet.save(file)
+    assert asyncio.run(longest_wait(port, file.getvalue())) < 0.5
 
 
 def test_malformed_patches_are_a_line_each_in_the_terminal():

@@ -28,7 +28,7 @@ from ..units import pretty
 from . import widgets as ui
 from .chart import Chart, padded_range, pressure_colors, screen_height
 from .state import Session, View, view_of
-from .tab import Export, LatestResult, Progress, Tab, output_stem
+from .tab import WAITING, Export, LatestResult, Progress, Tab, output_stem
 
 
 LARGEST_FILE = 5_000_000  # bytes: a record of the most rows
@@ -230,6 +230,8 @@ class DataView(Tab):
         self._add_widgets()
         self._add_chart()
         self._curves = LatestResult(self._show_curves, self.message.show, self.is_open)
+        # a file's reader may take a minute, in another process
+        self._reads = LatestResult(self._show_record, self.fail, self.is_open, WAITING)
         self._fits = LatestResult(self._show_fit, self._fail_fit, self.is_open)
         inputs = (self.file, self._other_example, self.message.pane, self.read_inputs.panel)
         fit = (self.kind, self.constants, self.calibrate, self.cancel, self.progress.bar)
@@ -334,10 +336,18 @@ class DataView(Tab):
             return
         try:
             options = self.read_inputs.options(view.display_units["length"])
-            record = read_record(self._raw, name, view.muscle, options)
         except ValueError as error:
             self.message.show(error)
             return
+        raw = self._raw
+        self.status.object = ui.status_line(f"reading {ui.text_html(name)}")
+        self._reads.request(lambda: (raw, read_record(raw, name, view.muscle, options)))
+
+    def _show_record(self, content: tuple[bytes, Record]) -> None:
+        raw, record = content
+        if raw is not self._raw:  # another file was opened meanwhile
+            return
+        view, name = self.session.view, self.file_name
         names = parameters_of(view.muscle)
         self.constants.options = {name.replace("_", " "): name for name in names}
         self.message.show(mismatch_reason(view.muscle, record))

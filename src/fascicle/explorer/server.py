@@ -11,6 +11,7 @@ import errno
 import ipaddress
 import logging
 import re
+import secrets
 import signal
 import socket
 import warnings
@@ -18,9 +19,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import panel as pn
+from bokeh.protocol.message import Message
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
 from bokeh.server.util import bind_sockets
+from bokeh.util.token import check_session_id_signature
 from panel.io.application import build_applications
 from panel.io.resources import DIST_DIR
 from panel.io.server import WSHandler
@@ -52,6 +55,9 @@ _ANY_ADDRESS = ("0.0.0.0", "::")  # noqa: S104 compared, not bound
 _HOST = re.compile(r"(?P<name>\[[0-9a-f:.%]+\]|[^\s@/#?\[\]:]+)(?::\d{1,5})?")
 # of Panel, to embed the page elsewhere and to import modules: the explorer needs none
 _CLOSED = ("/autoload.js", "/components/", "/metadata")
+_SESSION_NAMES = {"bokeh-session-id", "bokeh-token"}  # that two visitors would share
+# types of values in Bokeh's messages that take more memory than they have bytes
+_SWELLING = ("bytes", "ndarray", "object", "typed_array")
 
 
 def serve(
@@ -70,8 +76,9 @@ def serve(
     """
     handler = logging.StreamHandler()
     handler.setFormatter(LineFormatter())
-    log = logging.getLogger("bokeh")
-    log.handlers, log.propagate = [handler], False
+    for name in ("bokeh", "tornado.application"):
+        log = logging.getLogger(name)
+        log.handlers, log.propagate = [handler], False
     for name in ("bokeh", "tornado.access", "tornado.general"):
         logging.getLogger(name).setLevel(logging.ERROR)
 
@@ -118,6 +125,8 @@ def start_server(
         unused_session_lifetime_milliseconds=_CLOSED_SESSION,
         check_unused_sessions_milliseconds=2_000,
         websocket_max_message_size_bytes=_LARGEST_MESSAGE,
+        sign_sessions=True,
+        secret_key=secrets.token_bytes(32),
     )
     for rule in app.wildcard_router.rules:
         if rule.target is WSHandler:
@@ -207,6 +216,8 @@ def guard(app: Application, host: str, allowed: Sequence[str]) -> None:
 
         def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
             reason = reject_reason(request.path, request.headers, host, allowed)
+            if _SESSION_NAMES & {*map(str.lower, (*request.arguments, *request.headers))}:
+                reason = reason or (403, "A link can't choose the session it opens.")
             if request.host.startswith("["):
                 # Panel splits it at the colon: an IPv6 address would end in a page of status 500
                 request.host = "localhost" + request.host.partition("]")[2]
@@ -217,12 +228,23 @@ def guard(app: Application, host: str, allowed: Sequence[str]) -> None:
 
 
 class LimitedSocket(WSHandler):
-    """Panel's websocket, closed by a message of more than `_LARGEST_MESSAGE` bytes in all.
+    """Panel's websocket, for pages of this server, closed by a message that would take too much
+    memory: of more than `_LARGEST_MESSAGE` bytes in all, or with values that swell.
 
     Tornado's own limit is one of each part of a message, of which there may be any number.
     """
 
     _received = 0
+
+    async def prepare(self) -> None:
+        """Refuse a token that this server didn't sign, before anything in it is read."""
+        await super().prepare()
+        token = self.request.headers.get("Sec-WebSocket-Protocol", "").rpartition(",")[2].strip()
+        key = self.application.secret_key
+        # a token is signed as a session's name is
+        if not (token.isascii() and check_session_id_signature(token, key, signed=True)):
+            self.set_status(403)
+            self.finish()
 
     async def on_message(self, fragment: str | bytes) -> None:
         """Take a part of a message: its header, of which no later part has the form, or another."""
@@ -232,6 +254,33 @@ class LimitedSocket(WSHandler):
             self.close(1009, "This message is too large.")  # the code of websockets for it
         else:
             await super().on_message(fragment)
+
+    async def _receive(self, fragment: str | bytes) -> Message[Any] | None:
+        message = await super()._receive(fragment)
+        if message is not None and _swells(message.content):
+            self.close(1009, "This message is too large.")
+            return None
+        return message
+
+    async def send_message(self, message: Message[Any]) -> None:
+        """Send a `message`; an error only says that there is one: the terminal has its line."""
+        if message.msgtype == "ERROR":
+            message.content = {"text": "This failed: see the server's log.", "traceback": None}
+        await super().send_message(message)
+
+
+def _swells(content: object) -> bool:
+    """True if a message's `content` has a value of one of the types `_SWELLING`."""
+    rest = [content]
+    while rest:
+        value = rest.pop()
+        if isinstance(value, dict):
+            if value.get("type") in _SWELLING:
+                return True
+            value = list(value.values())
+        if isinstance(value, list):
+            rest += value
+    return False
 
 
 class _ProtectedAnswer(OutputTransform):
