@@ -234,6 +234,7 @@ class LimitedSocket(WSHandler):
     Tornado's own limit is one of each part of a message, of which there may be any number.
     """
 
+    application: BokehTornado
     _received = 0
 
     async def prepare(self) -> None:
