@@ -18,7 +18,6 @@ from fascicle.explorer.data_tab import (
     read_record,
 )
 from fascicle.explorer.state import Session, view_of
-from fascicle.explorer.tab import LatestResult
 from fascicle.plot.theme import LIGHT
 
 
@@ -69,18 +68,25 @@ def test_a_refused_file_drops_the_earlier_record(tab, raw, expected):
 
 def test_a_fit_to_an_earlier_record_is_not_shown(tab, monkeypatch):
     send(tab, GOOD)
-    requests = []
-    monkeypatch.setattr(LatestResult, "request", lambda *call: requests.append(call))
+    latest = tab._fits
+    monkeypatch.setattr(latest, "request", lambda _: None)
     tab.start_fit()
     assert tab.calibrate.disabled and tab.progress.bar.visible
     send(tab, GOOD.replace(b"200", b"300"), "b.csv")
     assert not tab.calibrate.disabled and not tab.progress.bar.visible
-    latest, _ = requests[0]
     earlier = SimpleNamespace(record=object())
     latest._show(earlier)
     assert tab.fit is None and tab.use.disabled
     latest._fail("of the earlier one")
     assert not tab.message.text
+
+
+def test_a_file_read_after_another_was_opened_is_not_shown(tab, monkeypatch):
+    monkeypatch.setattr(tab._reads, "request", lambda _: None)
+    tab.open_record(GOOD, "a.csv")
+    tab.open_record(b"none", "b.csv")
+    tab._show_record((GOOD, read_record(GOOD, "a.csv", MUSCLE)))
+    assert tab.record is None
 
 
 def test_readings_are_read_and_have_curves():
