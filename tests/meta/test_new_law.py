@@ -120,7 +120,8 @@ assert found["friction"].dimension == "pressure"
 # the sum of both is what the force tells: its factor, 2e5 - 4e3
 told = 1e5 * found["loss"].value + found["friction"].value
 assert abs(told / 1.96e5 - 1) < 0.02, told
-rows = [one.label for one in compare_tension(record, muscle.replace(tension="ideal"), whole=False)]
+laws = compare_tension(record, muscle.replace(tension="ideal"), whole=False)
+rows = [one.label for one in laws.rows]
 assert "Toy: loss, friction, braid_angle, outer_radius" in rows, rows
 """
 
