@@ -12,7 +12,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -247,8 +246,8 @@ async def wait_for(socket, text):
     return json.loads(part)
 
 
-async def longest_wait(port, raw):
-    """Longest time that another visitor waits [s] while the file `raw` is read."""
+async def answers_meanwhile(port, raw):
+    """Number of answers to another visitor while the file `raw` is read."""
     data = {"type": "event", "name": "document_ready", "values": {"type": "map", "entries": []}}
     ready = {"kind": "MessageSent", "msg_type": "bokeh_event", "msg_data": data}
     upload = {"mime_type": "", "filename": "a.xlsx", "value": base64.b64encode(raw).decode()}
@@ -258,14 +257,12 @@ async def longest_wait(port, raw):
         change = {"kind": "ModelChanged", "model": {"id": file}}
         await send(socket, {"events": [change | {"attr": k, "new": v} for k, v in upload.items()]})
         await wait_for(socket, "reading a.xlsx")
-        reading, waits = asyncio.create_task(wait_for(socket, "export the readings")), []
+        reading, count = asyncio.create_task(wait_for(socket, "export the readings")), 0
         while not reading.done():
-            began = time.monotonic()
             await asyncio.to_thread(get, port, "/favicon.ico")
-            waits.append(time.monotonic() - began)
-            await asyncio.sleep(0.05)
+            count += not reading.done()
         await reading
-    return max(waits)
+    return count
 
 
 def test_nobody_waits_for_the_file_of_another(port):
@@ -274,7 +271,8 @@ def test_nobody_waits_for_the_file_of_another(port):
     sheet.active.cell(2**18, 3, 1.0)  # empty rows above it take a second
     file = io.BytesIO()
     sheet.save(file)
-    assert asyncio.run(longest_wait(port, file.getvalue())) < 0.5
+    # one may arrive just when the file has been read
+    assert asyncio.run(answers_meanwhile(port, file.getvalue())) > 1
 
 
 def test_malformed_patches_are_a_line_each_in_the_terminal():
