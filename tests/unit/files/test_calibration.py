@@ -12,11 +12,8 @@ from fascicle.files.muscle_files import calibration_text
 
 
 MUSCLE = example("kim2021_figure_6")
-REPORT = {
-    "data": "a.csv",
-    "rmse": 1.2345678901234567,
-    "parameter": [{"name": "c10", "value": 118.4e3}],
-}
+PARAMETER = {"name": "c10", "value": 118.4e3}
+REPORT = {"data": "a.csv", "rmse": 1.2345678901234567, "parameter": [PARAMETER]}
 
 
 def read_back(table):
@@ -71,8 +68,6 @@ def test_unsupported_values_are_refused(value, tmp_path):
 def test_a_report_that_is_no_table(tmp_path):
     path, text = tmp_path / "m.toml", "calibration = 3\n" + dumps(MUSCLE)
     path.write_text(text)
-    for read in (load, provenance):
+    for read, file in ((load, path), (provenance, path), (loads, text)):
         with pytest.raises(ValueError, match="calibration = 3: must be a table of keys"):
-            read(path)
-    with pytest.raises(ValueError, match="must be a table"):
-        loads(text)
+            read(file)

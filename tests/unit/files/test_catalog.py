@@ -61,15 +61,16 @@ def test_product_has_the_laws_of_its_base(tmp_path):
 
 
 def test_a_catalog_of_one_table_and_of_diameters():
-    table = '[design.catalog]\nname = "a"\ninner_diameter = "20 mm"\nwall_thickness = "2 mm"\n'
-    (muscle,) = loads_task(PLAIN + table).space.drawings.values()
-    assert_allclose(float(muscle.outer_radius), 12e-3)
-    table = '[design.catalog]\nname = "a"\ninner_diameter = "20 mm"\n'
-    (muscle,) = loads_task(PLAIN + table).space.drawings.values()
-    assert_allclose(float(muscle.outer_radius - muscle.wall_thickness), 10e-3)
-    table = '[design.catalog]\nname = "a"\nouter_diameter = "20 mm"\nbraid_angle = "25 deg"\n'
-    (muscle,) = loads_task(PLAIN + table).space.drawings.values()
-    assert_allclose([float(muscle.outer_radius), float(muscle.braid_angle)], [0.01, np.radians(25)])
+    def drawn(sizes):
+        table = f'[design.catalog]\nname = "a"\n{sizes}\n'
+        (muscle,) = loads_task(PLAIN + table).space.drawings.values()
+        return muscle
+
+    inner = 'inner_diameter = "20 mm"\n'
+    assert_allclose(drawn(inner + 'wall_thickness = "2 mm"').outer_radius, 12e-3)
+    assert_allclose(drawn(inner).outer_radius - drawn(inner).wall_thickness, 10e-3)
+    outer = drawn('outer_diameter = "20 mm"\nbraid_angle = "25 deg"')
+    assert_allclose([outer.outer_radius, outer.braid_angle], [0.01, np.radians(25)])
 
 
 def test_cut_lengths_are_those_of_the_design():

@@ -8,32 +8,20 @@ from fascicle.files import example_text, loads_scenario
 
 
 RAMP = example_text("ramp_hand_over")
-POSITION = (
-    RAMP[: RAMP.index("[[demand]]")].replace(
-        'policy = "hand_over"',
-        """policy = "hand_over"
-position_gain = "4 N/mm"
-integral_time = "0.5 s"
-velocity_gain = "100 N*s/m\"""",
-    )
-    + """[[demand]]
-time = "0 s"
-position = "11 mm"
-[[demand]]
-time = "2 s"
-position = "21 mm"
-"""
-)
 HELD = '"prescribed_motion"       # held by a dynamometer, at a strain of 0.2\nmean = "25.4 mm"'
-POSITION = POSITION.replace(HELD, '"hanging_mass"\nmass = "5 kg"')
+HUNG = RAMP[: RAMP.index("[[demand]]")].replace(HELD, '"hanging_mass"\nmass = "5 kg"')
+GAINS = 'position_gain = "4 N/mm"\nintegral_time = "0.5 s"\nvelocity_gain = "100 N*s/m"\n'
+POSITION = HUNG.replace("policy =", f"{GAINS}policy =", 1) + "".join(
+    f'[[demand]]\ntime = "{time} s"\nposition = "{position} mm"\n'
+    for time, position in ((0, 11), (2, 21))
+)
 
 
 def test_control_keys_reach_the_controller():
     read = loads_scenario(RAMP)
     control = read.control
-    assert (
-        read.schedule is None and control.controller.of == "force" and control.controller.every == 2
-    )
+    assert read.schedule is None
+    assert (control.controller.of, control.controller.every) == ("force", 2)
     assert_allclose(control.reference[[0, -1]], [15.0, 70 - 55 / 4000], rtol=1e-9)
     assert len(control.reference) == 4000
     assert_allclose(read.start.pressures, [265e3, 0.0])

@@ -1,8 +1,7 @@
 """A scenario takes the friction that a calibration found; one without any runs to the bit."""
 
-import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import fit
@@ -50,11 +49,8 @@ def calibration(request):
 
 
 def saved(calibration, folder):
-    fs.save(
-        calibration.muscle,
-        folder / "muscle.toml",
-        calibration=provenance_of(calibration, "2026-11-22"),
-    )
+    report = provenance_of(calibration, "2026-11-22")
+    fs.save(calibration.muscle, folder / "muscle.toml", report)
     (folder / "scenario.toml").write_text(SCENARIO, encoding="utf-8")
     return load_scenario(folder / "scenario.toml")
 
@@ -64,30 +60,24 @@ def test_plant_has_the_measured_springs(calibration, tmp_path):
     if calibration.friction.law is None:
         plain = loads_scenario(SCENARIO.replace(FRICTION, ""), folder=tmp_path)
         assert scenario.plant.hysteresis is None
-        # today's result, to the bit
-        ours, theirs = scenario.run(), plain.run()
-        assert np.array_equal(ours.outputs.position, theirs.outputs.position)
+        # to the bit
+        assert_array_equal(scenario.run().outputs.position, plain.run().outputs.position)
         return
     friction, law = scenario.plant.hysteresis, calibration.friction.law
     assert isinstance(friction, MaxwellSlip)
     for name in ("stiffness", "slip_force", "slip_force_slope"):
         # the file has four digits of each
         short = [float(f"{x:.4g}") for x in getattr(law, name)]
-        np.testing.assert_allclose(getattr(friction, name), short, rtol=1e-14)
-    assert_allclose(
-        calibration.friction.half_width(4e5), 0.03 * NOMINAL.blocked_force(4e5), rtol=0.03
-    )
+        assert_allclose(getattr(friction, name), short, rtol=1e-14)
+    half = calibration.friction.half_width(4e5)
+    assert_allclose(half, 0.03 * NOMINAL.blocked_force(4e5), rtol=0.03)
 
 
-@pytest.mark.parametrize(
-    ("edit", "message"),
-    [
-        (('bundle = "muscle.toml"', 'bundle = "nominal.toml"'), "nominal.toml has no friction"),
-        (('kind = "measured"', 'kind = "measured"\nmuscle = "none.toml"'), "must name the"),
-    ],
-)
-def test_unmeasured_friction_is_refused(edit, message, tmp_path):
-    fs.save(NOMINAL, tmp_path / "nominal.toml")
+def test_unmeasured_friction_is_refused(tmp_path):
     fs.save(NOMINAL, tmp_path / "muscle.toml")
-    with pytest.raises(ValueError, match=message):
-        loads_scenario(SCENARIO.replace(*edit), folder=tmp_path)
+    for friction, message in (
+        (FRICTION, "muscle.toml has no friction"),
+        (FRICTION + 'muscle = "none.toml"\n', "must name the"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            loads_scenario(SCENARIO.replace(FRICTION, friction), folder=tmp_path)

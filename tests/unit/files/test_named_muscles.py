@@ -6,7 +6,6 @@ import pytest
 
 import fascicle as fs
 from fascicle.files import loads
-from fascicle.files.task import load_task
 
 
 UNIT = "[[bundle.motor_unit]]\n"
@@ -45,7 +44,7 @@ def test_named_muscles_and_motor_units_name_files(folder):
     assert bundle.motor_units[0].muscle is bundle.motor_units[1].muscle
 
 
-def test_a_scenario_and_a_task_name_it(folder):
+def test_a_scenario_names_it(folder):
     text = (
         'format = 1\nmuscle = "fit/muscle.toml"\n[load]\nkind = "hanging_mass"\nmass = "1 kg"\n'
         '[fluid]\nmedium = "air"\n[supply]\nkind = "constant"\npressure = "4 bar"\n[valve]\n'
@@ -54,23 +53,16 @@ def test_a_scenario_and_a_task_name_it(folder):
     )
     (folder / "s.toml").write_text(text)
     assert lengths(fs.load(folder / "s.toml").plant.bundles[0]) == [0.12]
-    task = '[task]\nforce = "4 N"\nstrain = 0.1\nsupply_pressure = "4 bar"\n[design]\nmuscles = 2\n'
-    (folder / "t.toml").write_text(f'format = 1\n{task}muscle = "fit/muscle.toml"\n')
-    (muscle,) = load_task(folder / "t.toml").space.drawings.values()
-    assert muscle.length == 0.12
 
 
-@pytest.mark.parametrize(
-    ("text", "key"),
-    [
+def test_what_names_none_is_one_line(folder):
+    for text, key in (
         ('muscle = "nowhere.toml"', "muscle"),
         ('muscle = "b.toml"', "muscle"),  # itself: a named file names no files
         (f'{UNIT}muscle = "nowhere.toml"', "bundle.motor_unit[0].muscle"),
-    ],
-)
-def test_what_names_none_is_one_line(folder, text, key):
-    with pytest.raises(ValueError, match=rf"b\.toml: {re.escape(key)}.*$"):
-        load(folder, text)
+    ):
+        with pytest.raises(ValueError, match=rf"b\.toml: {re.escape(key)}.*$"):
+            load(folder, text)
 
 
 def test_a_text_from_elsewhere_names_no_files(folder, monkeypatch, refusal):

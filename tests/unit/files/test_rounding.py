@@ -58,9 +58,8 @@ def test_log_is_rounded_to_the_uncertainty(noisy):
     assert len(lines) < len(text.splitlines())
     hashes = re.compile(r'sha256 = ".*"')
     assert not re.search(r"\d{7}", hashes.sub("", "\n".join(lines)))
-    for one, row in zip(
-        fitted.parameters, parse_toml(text, "m")["calibration"]["parameter"], strict=True
-    ):
+    rows = parse_toml(text, "m")["calibration"]["parameter"]
+    for one, row in zip(fitted.parameters, rows, strict=True):
         width = one.high - one.low
         for name in ("value", "low", "high"):
             off = parse(row[name], one.dimension) - getattr(one, name)
@@ -108,10 +107,7 @@ def test_a_fit_of_strains_of_the_wrong_sign_has_files(pushes):
     pressure, branch = np.array([[1e5], [2e5], [3e5]]), np.tile([1] * 30 + [-1] * 30, (3, 1))
     force = np.asarray(muscle.force(pressure, strain)) - 30.0 * pushes
     noise = np.random.default_rng(0).normal(0, 1, force.shape)
-    record = Record.of(
-        pressure, -strain, force + noise, branch=branch, synthetic=True,
-        rest_length=0.2,
-    )  # fmt: skip
+    record = Record.of(pressure, -strain, force + noise, branch=branch, rest_length=0.2)
     fitted = fit(record, muscle, ["c10", "braid_angle", "outer_radius"], whole=pushes)
     low = 1 - 1 / np.cos(float(fitted.muscle.braid_angle))
     assert np.min(record.strain) < low  # off the domain of the fitted muscle

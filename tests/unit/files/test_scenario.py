@@ -63,22 +63,17 @@ def test_water_and_nitrogen_flow_as_such():
     assert nitrogen.chamber.gas == fluid.NITROGEN
 
 
-@pytest.mark.parametrize(
-    ("figure", "conductance"),
-    [
+def test_valve_takes_other_figures_of_its_data_sheet():
+    before, C, after = GAS.partition('C = "0.1 L/(s*bar)"')
+    for figure, conductance in (
         ('nominal_flow = "100 L/min"', fluid.conductance_from_nominal_flow("100 L/min", 0.3)),
         ('Kv = "0.07 m^3/h"', fluid.conductance_from_kv("0.07 m^3/h", 0.3)),
         ("Cv = 0.1", fluid.conductance_from_cv(0.1, 0.3)),
-    ],
-)
-def test_valve_takes_other_figures_of_its_data_sheet(figure, conductance):
-    assert 'C = "0.1 L/(s*bar)"' in GAS
-    plant = loads_scenario(GAS.replace('C = "0.1 L/(s*bar)"', figure, 1)).plant
-    assert_allclose(plant.valve.C, conductance)
-    both = GAS.replace('C = "0.1 L/(s*bar)"', f'C = "0.1 L/(s*bar)"\n{figure}', 1)
-    for text in (both, GAS.replace('C = "0.1 L/(s*bar)"', "", 1)):
-        with pytest.raises(ValueError, match="one of nominal_flow"):
-            loads_scenario(text)
+    ):
+        assert_allclose(loads_scenario(before + figure + after).plant.valve.C, conductance)
+        for wrong in (f"{C}\n{figure}", ""):
+            with pytest.raises(ValueError, match="one of nominal_flow"):
+                loads_scenario(before + wrong + after)
 
 
 def test_room_reaches_every_part():

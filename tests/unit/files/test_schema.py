@@ -24,20 +24,15 @@ def test_prices_are_read(text, per, amount, currency):
     assert price.currency == currency
 
 
-@pytest.mark.parametrize(
-    ("text", "per"),
-    [
-        ("95", None),
-        (True, None),
-        ("-5 EUR", None),
-        ("95 EUR", "volume"),
-        ("95 EUR/s", "volume"),
-        ("1" + "0" * 12 + " EUR", None),
-        ("9" * 400 + " EUR", None),
-        ("95\nEUR\n/m\n", "volume"),
-    ],
-)
-def test_invalid_prices_are_one_line(text, per):
-    with pytest.raises(InvalidInputError) as refused:
-        parse_price(text, "valve", per)
-    assert refused.value.argument == "valve" and "\n" not in str(refused.value)
+INVALID = {
+    None: ("95", True, "-5 EUR", "1" + "0" * 12 + " EUR", "9" * 400 + " EUR"),
+    "volume": ("95 EUR", "95 EUR/s", "95\nEUR\n/m\n"),
+}
+
+
+@pytest.mark.parametrize("per", INVALID)
+def test_invalid_prices_are_one_line(per):
+    for text in INVALID[per]:
+        with pytest.raises(InvalidInputError) as refused:
+            parse_price(text, "valve", per)
+        assert refused.value.argument == "valve" and "\n" not in str(refused.value)
