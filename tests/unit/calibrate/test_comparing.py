@@ -122,13 +122,12 @@ def spoiled():
 
 def test_a_comparison_fits_as_separate_fits_do(spoiled):
     how = {**HOW, "whole": False}
-    rows = {
-        one.label: one for one in compare_tension(spoiled, nominal(), NAMES, PRIORS, **how).rows
-    }
+    compared = compare_tension(spoiled, nominal(), NAMES, PRIORS, **how)
+    rmse = {row.label: row.rmse for row in compared.rows}
     alone = missed(fit(spoiled, nominal(), NAMES, PRIORS, **how))
-    assert_allclose(rows["Klute-Hannaford: braid_angle, outer_radius"].rmse, alone, rtol=1e-6)
+    assert_allclose(rmse["Klute-Hannaford: braid_angle, outer_radius"], alone, rtol=1e-6)
     other = missed(fit(spoiled, nominal("ideal"), NAMES, PRIORS, **how))
-    assert_allclose(rows["ideal: braid_angle, outer_radius"].rmse, other, rtol=1e-6)
+    assert_allclose(rmse["ideal: braid_angle, outer_radius"], other, rtol=1e-6)
     # what would be lost is seen in the error
     without = missed(fit(spoiled, nominal(), NAMES, PRIORS, **{**how, "loss": "linear"}))
     assert abs(without / alone - 1) > 1e-4  # a hundred times what is told apart

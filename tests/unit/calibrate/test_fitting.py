@@ -19,9 +19,7 @@ from fascicle.records.record import Record
 TRUE = fs.example("kim2021_slenderness_10")
 PRESSURES = [0.0, 41.4e3, 82.7e3, 124.1e3, 165.5e3, 206.8e3, 344.7e3]
 MACHINE = VirtualDynamometer(pressures=PRESSURES, samples=60, both_ways=False)
-DRAWN = fs.Muscle(
-    TRUE.length, TRUE.outer_radius, TRUE.wall_thickness, TRUE.braid_angle, material=TRUE.material
-)
+DRAWN = TRUE.replace(tuning=None)
 
 
 def truth_of(made):
@@ -91,10 +89,9 @@ def test_tables_hold_the_readings_and_end_flat(tuned, found):
     assert tuning.pressures[0] == 0 and tuning.c1[0] == 0 and tuning.c2[0] == 1
     assert np.all(np.diff(tuning.pressures) > 0)
     assert_allclose(tuning.pressures[-1], 344.7e3, rtol=1e-12)
-    assert_allclose(
-        tuning.c1_at(np.array([4e5, 1e6])), [tuning.c1[-1]] * 2, rtol=1e-14
-    )  # a sum of ramps
-    assert_allclose(tuning.c2_at(np.array([4e5, 1e6])), [tuning.c2[-1]] * 2, rtol=1e-14)
+    beyond = np.array([4e5, 1e6])
+    assert_allclose(tuning.c1_at(beyond), tuning.c1[-1], rtol=1e-14)  # a sum of ramps
+    assert_allclose(tuning.c2_at(beyond), tuning.c2[-1], rtol=1e-14)
     assert found(tuned)["coverage.tuning_range"]["pressure"] == pytest.approx(344.7e3)
     # free strain and blocked force are those of the true muscle, to the readings' errors:
     # 0.5 % of the largest force, of 60 readings
@@ -242,10 +239,7 @@ def test_constants_keep_their_coverage_over_seeds(records):
 
 def test_clipped_readings_hold_what_they_say(constants):
     # taken for measured zeros they pull the free strain away, and the noise up with it
-    record = clipped()
-    zeros = fit(
-        Record.of(record.pressure, record.strain, record.force, rest_length=0.127), NOMINAL, NAMES
-    )
+    zeros = fit(replace(clipped(), censored=np.zeros(60, bool)), NOMINAL, NAMES)
     assert zeros.parameters[0].high < np.radians(33)
     assert zeros.problem.noise > 3 * constants.problem.noise
 
@@ -303,29 +297,20 @@ def test_a_robust_loss_takes_no_notice_of_outliers():
 # ---- refusals
 
 
-@pytest.mark.parametrize(
-    ("names", "options", "argument"),
-    [
-        (["c11"], {}, "fit"),
-        (NAMES, {"loss": "huber"}, "loss"),
-        (NAMES, {"priors": {"c10": Prior(1e5, 1e4)}}, "priors"),
-    ],
-)
-def test_unknown_choices_are_refused(names, options, argument):
-    with pytest.raises(fs.InvalidInputError) as error:
-        fit(clipped(), NOMINAL, names, **options)
-    assert error.value.argument == argument
-
-
-def test_records_that_tell_nothing_are_refused():
+def test_unknown_choices_and_records_that_tell_nothing_are_refused():
     record = clipped()
-    still = Record.of(record.pressure, record.strain, 0 * record.force, rest_length=0.127)
+    still = replace(record, force=0 * record.force, censored=np.zeros(60, bool))
     rounded = replace(still, force=-4.4e-15 * record.strain)
     flipped = replace(record, force=-np.abs(record.force))
-    for bad in (record.only(slice(0, 1)), still, rounded, flipped):
+    for argument, used, names, options in (
+        ("fit", record, ["c11"], {}),
+        ("loss", record, NAMES, {"loss": "huber"}),
+        ("priors", record, NAMES, {"priors": {"c10": Prior(1e5, 1e4)}}),
+        *(("record", bad, NAMES, {}) for bad in (record.only([0]), still, rounded, flipped)),
+    ):
         with pytest.raises(fs.InvalidInputError) as error:
-            fit(bad, NOMINAL, NAMES)
-        assert error.value.argument == "record"
+            fit(used, NOMINAL, names, **options)
+        assert error.value.argument == argument
 
 
 def test_priors_that_no_muscle_can_have_are_refused():

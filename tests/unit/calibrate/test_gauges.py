@@ -51,8 +51,7 @@ def test_a_column_that_folds_earlier_is_no_zero(samples, factor):
     # of many readings even a small misfit would be clear; without a zero none may be named
     example = fs.example("kim2021_slenderness_10")
     true = example.replace(tuning=with_fields(example.tuning, collapse_moment_factor=factor))
-    sizes = true.length, true.outer_radius, true.wall_thickness, true.braid_angle
-    nominal = fs.Muscle(*sizes, material=true.material)
+    nominal = true.replace(tuning=None)
     machine = VirtualDynamometer(pressures=(0.0, 2e5, 4e5), samples=samples)
     for seed in range(5):
         record = machine.record(true, seed=seed)
@@ -97,8 +96,7 @@ def test_a_zero_counts_next_to_the_rest_length():
 @pytest.mark.parametrize("zero", [0.0, 2.0])
 def test_the_whole_model_shows_a_zero_that_rest_readings_do_not(zero):
     true = fs.example("kim2021_slenderness_10")
-    sizes = true.length, true.outer_radius, true.wall_thickness, true.braid_angle
-    nominal = fs.Muscle(*sizes, material=true.material)
+    nominal = true.replace(tuning=None)
     record = VirtualDynamometer(pressures=(0.0, 1e5, 2e5, 3e5, 4e5), samples=40).record(true)
     record = replace(record, force=record.force + zero)
     assert not select_fit_data(record, nominal).gauge.faults
@@ -126,8 +124,7 @@ def test_a_fit_separates_the_gauges_from_the_rubber(fitted):
     # the loop isn't in the estimate of the noise, and is in the error of the muscle in use
     assert fitted.diagnosis.noise < 0.6 and fitted.rmse > 5
     # the record is the corrected one, and the gauge takes the file's readings to it
-    raw = bench_record(seed=2)
-    corrected = fitted.gauge.correct(raw)
+    corrected = fitted.gauge.correct(bench_record(seed=2))
     assert_allclose(corrected.force, fitted.record.force, rtol=1e-9, atol=1e-9)
     codes = [finding.code for finding in calibration_findings(fitted)]
     assert {f"gauge.{name}" for name in NAMES[2:]} <= set(codes)
@@ -159,20 +156,17 @@ NOISY = SWEEP + RNG.normal(0, 0.1, SWEEP.size)
 SATURATED = np.minimum(1e3 * SWEEP + RNG.normal(0, 20, SWEEP.size), 90e3)
 
 
-@pytest.mark.parametrize(
-    ("force", "pressure", "kinds", "value"),
-    [
+def test_faults_of_channels_are_found():
+    for force, pressure, kinds, value in (
         (np.maximum(SWEEP - 10, -3.7), None, [("floor", "force")], -3.7),
         (np.maximum(SWEEP, 8.0), None, [("floor", "force")], 8.0),
         (np.minimum(SWEEP, 80.0), None, [("ceiling", "force")], 80.0),
         (NOISY, SATURATED, [("saturation", "pressure")], 90e3),
         (NOISY, None, [], None),
-    ],
-)
-def test_faults_of_channels_are_found(force, pressure, kinds, value):
-    faults = channel_faults(_record(force, pressure))
-    assert [(fault.kind, fault.channel) for fault in faults] == kinds
-    assert all(fault.value == pytest.approx(value) for fault in faults)
+    ):
+        faults = channel_faults(_record(force, pressure))
+        assert [(fault.kind, fault.channel) for fault in faults] == kinds
+        assert all(fault.value == pytest.approx(value) for fault in faults)
 
 
 def test_curves_of_a_fit_with_gauges_have_bands(fitted):

@@ -1,3 +1,4 @@
+import sys
 from dataclasses import replace
 
 import jax
@@ -88,8 +89,6 @@ def test_a_robust_loss_has_no_posterior(made):
 
 
 def test_without_numpyro_it_says_what_to_install(made, monkeypatch):
-    import sys
-
     monkeypatch.setitem(sys.modules, "numpyro", None)
     with pytest.raises(ValueError, match=r"pip install 'fascicle\[posterior\]'"):
         sample(made)

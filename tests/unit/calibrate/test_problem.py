@@ -14,23 +14,13 @@ muscle = fs.Muscle(0.127, 6.35e-3, 1.6e-3, np.radians(33))
 SIGMA = 0.7
 
 
-def problem(force, censored=False, count=1.0, weight=1.0, loss="linear", **more):
+def problem(force, censored=False, count=1.0, loss="linear"):
     """A problem of one level with these forces."""
-    F = np.atleast_2d(np.asarray(force, dtype=float))
-    full = {
-        "rest_length": None,
-        "parameters": select_parameters(["braid_angle"], muscle),
-        "center": np.zeros(1),
-        "deviation": np.full(1, 3.0),
-    } | more
-    return Problem(
-        muscle, Grid(
-            np.full((F.shape[0], 1), 1e5), np.full(F.shape, 0.1), F,
-            np.full(F.shape, count), np.full(F.shape, censored),
-        ),
-        np.full(F.shape, weight), SIGMA, full["center"], full["deviation"],
-        full["parameters"], full["rest_length"], loss=loss,
-    )  # fmt: skip
+    F = np.atleast_2d(force)
+    one = np.ones(F.shape)
+    grid = Grid(np.full((1, 1), 1e5), 0.1 * one, F, count * one, np.full(F.shape, censored))
+    free = select_parameters(["braid_angle"], muscle)
+    return Problem(muscle, grid, one, SIGMA, np.zeros(1), np.full(1, 3.0), free, loss=loss)
 
 
 # in deviations, from "as sure as can be" to far where the model pulls and nothing was seen

@@ -42,13 +42,9 @@ def test_its_rise_is_the_square_of_the_step(made, found):
 
 def test_only_the_variance_that_the_problem_knows_counts(made, found):
     # half of the variance comes from readings, and residuals follow one another
-    wider = replace(
-        made,
-        minimum=made.minimum._replace(
-            covariance=3 * made.covariance, from_curves=2 * made.covariance
-        ),
-        diagnosis=replace(made.diagnosis, inflation=2.0),
-    )
+    C, diagnosis = made.covariance, replace(made.diagnosis, inflation=2.0)
+    minimum = made.minimum._replace(covariance=3 * C, from_curves=2 * C)
+    wider = replace(made, minimum=minimum, diagnosis=diagnosis)
     for before, after in zip(found, profiles(wider), strict=True):
         # steps are twice as long, and again rise by their square in deviations, but for the
         # prior's part, under 0.01 here, which goes with the step and not with the variance

@@ -1,4 +1,4 @@
-from dataclasses import replace
+from dataclasses import fields, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -39,26 +39,20 @@ def measured(quotient, stronger, strain=STRAIN):
     return C2[:, None] * (T - C1[:, None]), free, blocked
 
 
-def gridded(force, censored=None, strain=STRAIN, count=None):
-    strain = np.broadcast_to(strain, force.shape)
-    return Grid(
-        np.asarray(P[:, None]), np.asarray(strain), np.asarray(force),
-        np.ones(force.shape) if count is None else np.asarray(count),
-        np.asarray(np.zeros(force.shape, bool) if censored is None else censored),
-    )  # fmt: skip
+def gridded(force, censored=False, strain=STRAIN, count=1.0):
+    strain, censored, count = (np.broadcast_to(x, force.shape) for x in (strain, censored, count))
+    return Grid(P[:, None], strain, force, count, censored)
 
 
 def read_many(data, forces):
     """Readings of many forces, each of their fields stacked; and the smooth free strains."""
     found = [read_curves(muscle, replace(data, force=np.asarray(force))) for force in forces]
-    names = ("free_strain", "free_strain_deviation", "blocked_force", "blocked_force_deviation",
-             "valid", "noise", "coefficients", "covariance", "order")  # fmt: skip
     stacked = SimpleNamespace(**{
-        name: np.stack([getattr(one, name) for one in found]) for name in names
+        field.name: np.stack([getattr(one, field.name) for one in found])
+        for field in fields(found[0])
     })  # fmt: skip
-    return stacked, np.stack(
-        [SmoothCurves(muscle, P, P.max()).free_strain(one.coefficients) for one in found]
-    )
+    curves = SmoothCurves(muscle, P, P.max())
+    return stacked, np.stack([curves.free_strain(one.coefficients) for one in found])
 
 
 @pytest.fixture(scope="module", params=SEEDS)
@@ -70,14 +64,16 @@ def noisy(request):
     return found, smooth, free, blocked
 
 
-def scatter(z):
-    """Four deviations of a mean over seeds."""
-    return 4 / np.sqrt(len(z))
+def check_deviations(z, more=0.1):
+    """n seeds: a mean scatters by 1/√n, a deviation by 1/√2n; four of these, over seven levels,
+    and 0.1 for where a reading ends to pull, which the noise itself decides.
+    """
+    assert np.all(np.abs(z.mean(axis=0)) < 4 / np.sqrt(len(z)) + 0.1)
+    assert np.all(np.abs(z.std(axis=0) - 1) < 4 / np.sqrt(2 * len(z)) + more)
 
 
 def test_without_noise_they_are_what_made_the_data():
-    quotient, stronger = 0.9 + 0.1 * P / P.max(), 0.95
-    force, free, blocked = measured(quotient, stronger)
+    force, free, blocked = measured(0.9 + 0.1 * P / P.max(), 0.95)
     found = read_curves(muscle, gridded(force))
     assert_array_equal(found.valid, P > 0)
     # forces are straight in the law's own here; what is left is the root's and sums' rounding
@@ -87,12 +83,7 @@ def test_without_noise_they_are_what_made_the_data():
     assert int(found.order) == 1
     assert_allclose(found.coefficients[:2], [0.9, 0.1], rtol=1e-6)
     assert_allclose(found.misfit, 1.0)
-
-
-def test_tables_give_back_blocked_force_and_free_strain():
-    quotient = 0.9 + 0.1 * P / P.max()
-    force, free, blocked = measured(quotient, 0.95)
-    found = read_curves(muscle, gridded(force))
+    # tables give back blocked force and free strain
     c1, c2 = SmoothCurves(muscle, P, P.max()).corrections(found.coefficients)
     assert (c1[0], c2[0]) == (0.0, 1.0)
     tuned = fs.Muscle(*SIZES, tuning=fs.Tuning(P[1:], c1[1:], c2[1:]))
@@ -108,9 +99,8 @@ def test_tables_give_back_blocked_force_and_free_strain():
 def test_a_dead_band_is_no_correction():
     # a muscle with a dead band that measures as its own law says needs none
     banded = fs.Muscle(*SIZES, tuning=fs.Tuning(dead_band=20e3))
-    force = np.asarray(banded.force(P[:, None], 0.9 * np.asarray(banded.free_strain(P))[:, None]
-                                    * np.linspace(0, 1, 9)))  # fmt: skip
     strain = 0.9 * np.asarray(banded.free_strain(P))[:, None] * np.linspace(0, 1, 9)
+    force = np.asarray(banded.force(P[:, None], strain))
     found = read_curves(banded, gridded(force, strain=strain))
     c1, c2 = SmoothCurves(banded, P, P.max()).corrections(found.coefficients)
     assert_allclose(c1, 0, atol=1e-6 * force.max())
@@ -124,11 +114,7 @@ def test_deviations_hold_over_seeds(noisy):
         (found.free_strain, found.free_strain_deviation, free),
         (found.blocked_force, found.blocked_force_deviation, blocked),
     ):
-        z = ((np.asarray(value) - truth) / np.asarray(deviation))[:, 1:]
-        # n seeds: a mean scatters by 1/√n, a deviation by 1/√2n; four of these, over seven
-        # levels, and 0.1 for where a reading ends to pull, which the noise itself decides
-        assert np.all(np.abs(z.mean(axis=0)) < scatter(z) + 0.1)
-        assert np.all(np.abs(z.std(axis=0) - 1) < scatter(z) / np.sqrt(2) + 0.1)
+        check_deviations(((value - truth) / deviation)[:, 1:])
     # over 26 * 7 readings at most, some half of which pull: 0.08 of it each, 0.006 the mean
     assert_allclose(np.mean(found.noise), SIGMA, rtol=0.03)
 
@@ -137,18 +123,14 @@ def test_curves_hold_over_seeds(noisy):
     found, smooth, free, blocked = noisy
     share = P[1:] / P.max()
     basis = np.stack([np.ones_like(share), share])
-    C = np.asarray(found.covariance)[:, 4:, 4:]
-    force = np.asarray(found.coefficients)[:, 4:] @ basis
-    z = (force - blocked[1:]) / np.sqrt(np.einsum("il,sij,jl->sl", basis, C, basis))
-    assert np.all(np.abs(z.mean(axis=0)) < scatter(z) + 0.1)
-    assert np.all(np.abs(z.std(axis=0) - 1) < scatter(z) / np.sqrt(2) + 0.1)
+    C, force = found.covariance[:, 4:, 4:], found.coefficients[:, 4:] @ basis
+    deviation = np.sqrt(np.einsum("il,sij,jl->sl", basis, C, basis))
+    check_deviations((force - blocked[1:]) / deviation)
     # the order is chosen by what is seen, which adds a little to what was reckoned with
     basis = np.stack([share**power for power in range(4)])
-    C = np.asarray(found.covariance)[:, :4, :4]
+    C = found.covariance[:, :4, :4]
     deviation = np.sqrt(np.einsum("il,sij,jl->sl", basis, C, basis)) * UNTUNED_FREE[1:]
-    z = (smooth[:, 1:] - free[1:]) / deviation
-    assert np.all(np.abs(z.mean(axis=0)) < scatter(z) + 0.1)
-    assert np.all(np.abs(z.std(axis=0) - 1) < scatter(z) / np.sqrt(2) + 0.3)
+    check_deviations((smooth[:, 1:] - free[1:]) / deviation, more=0.3)
     # a curve through seven levels knows more than each of them
     assert deviation.mean() < 0.7 * np.mean(np.asarray(found.free_strain_deviation)[:, 1:])
 
@@ -167,10 +149,9 @@ def test_the_order_is_as_high_as_the_data_ask(order, seeds):
     force, free, _ = measured(quotient, 0.95)
     noise = np.random.default_rng(1).normal(scale=0.1, size=(seeds, *force.shape))
     found, smooth = read_many(gridded(force), force + noise)
-    orders = np.asarray(found.order)
-    assert np.all(orders >= order)
+    assert np.all(found.order >= order)
     # in three of four, within the binomial's 0.1 % quantile
-    assert np.sum(orders == order) >= binom.ppf(0.001, seeds, 0.75)
+    assert np.sum(found.order == order) >= binom.ppf(0.001, seeds, 0.75)
     assert_allclose(smooth.mean(axis=0)[1:], free[1:], rtol=1e-3)
 
 

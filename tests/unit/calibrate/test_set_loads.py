@@ -77,9 +77,8 @@ def test_forces_of_a_sweep_are_no_set_loads():
 
 def test_cycles_of_free_contraction_are_fitted():
     P = np.tile(np.concatenate([PRESSURES, PRESSURES[-2::-1]]), 4)
-    strain = invert_force(TRUE, P, 0 * P) + 0.1e-3 / L * np.random.default_rng(1).normal(
-        size=P.size
-    )
+    noise = 0.1e-3 / L * np.random.default_rng(1).normal(size=P.size)
+    strain = invert_force(TRUE, P, 0 * P) + noise
     branch = np.tile(np.repeat([1, -1], [PRESSURES.size, PRESSURES.size - 1]), 4)
     record = Record.of(P, strain, 0 * P, branch=branch, time=1.0 * np.arange(P.size), rest_length=L)
     choice = select_model(record, NOMINAL, starts=1, given_laws=["material"])

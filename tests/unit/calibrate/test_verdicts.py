@@ -23,12 +23,9 @@ MUSCLE = fs.Muscle(0.2, 9.5e-3, 1.5e-3, math.radians(26))
 
 def record(P, strain, force, branch=None):
     """A synthetic record in time, of a muscle of 0.2 m."""
-    clipped = np.zeros(P.size, dtype=bool)
     branch = np.zeros(P.size) if branch is None else branch
-    return Record(
-        P, strain, force, clipped, branch.astype(np.int8), time=np.arange(P.size) * 0.5,
-        rest_length=0.2,
-    )  # fmt: skip
+    time = np.arange(P.size) * 0.5
+    return Record.of(P, strain, force, branch=branch, time=time, rest_length=0.2)
 
 
 def sweeps(levels, stroke, points=45, noise=0.0, loop=0.0, muscle=MUSCLE, seed=0):
@@ -54,11 +51,8 @@ def test_a_short_sweep_at_zero_pressure_is_fitted():
 def test_readings_between_levels_are_still_ramps():
     made = sweeps([1e5, 2e5], [0.2, 0.2])
     ramp = np.linspace(1e5, 2e5, 12)[1:-1]
-    joined = record(
-        np.concatenate([made.pressure[:90], ramp, made.pressure[90:]]),
-        np.concatenate([made.strain[:90], 0 * ramp, made.strain[90:]]),
-        np.concatenate([made.force[:90], 0 * ramp, made.force[90:]]),
-    )
+    parts = [(made.pressure, ramp), (made.strain, 0 * ramp), (made.force, 0 * ramp)]
+    joined = record(*(np.concatenate([of[:90], between, of[90:]]) for of, between in parts))
     assert select_fit_data(joined).left_out == {"on ramps between sweeps": 10}
 
 
