@@ -19,6 +19,7 @@ PRESSURE = [200.1, 200.3, 199.9, 200.0]  # kPa
 FORCE = [118.4, 95.2, 70.8, 48.9]  # N
 LENGTH = [180.0, 176.0, 171.9, 168.0]  # mm
 REST = 0.18  # m
+GIVEN = {"rest_length": REST, "constants": {"pressure": "200 kPa"}}
 CONTRACTION = [180 - x for x in LENGTH]  # mm
 ROWS = list(zip(TIME, PRESSURE, FORCE, LENGTH, strict=True))
 
@@ -60,10 +61,8 @@ def test_unmarked_encodings_and_a_reserved_end():
 
 
 def test_rows_with_holes_are_left_out_and_counted():
-    text = (
-        "t [s],p [kPa],F [N],L [mm]\n0,100,50,180\n1,,49,179\n2,100,NaN,178\n3,100,40\n"
-        "4,100,30,170\n5,100,20,165\n"
-    )
+    rows = "0,100,50,180\n1,,49,179\n2,100,NaN,178\n3,100,40\n4,100,30,170\n5,100,20,165\n"
+    text = "t [s],p [kPa],F [N],L [mm]\n" + rows
     record = loads(text, rest_length=REST)
     assert record.force.tolist() == [50, 30, 20]
     assert any("3 rows with holes left out" in note for note in record.notes)
@@ -126,16 +125,11 @@ def test_columns_by_place():
     # of a file with a header, whose units stay
     head = "load (N),P (kPa),t,up,grip (mm)\n"
     check(loads(head + text, columns="force,pressure,time,-,length", rest_length=REST))
-
-
-@pytest.mark.parametrize(
-    "names",
-    ["force[N],voltage,-", "force[N],force,-", "force[N],pressure[kPa],-,-,length[mm],time",
-     "force[N],pressure[kPa],-", "force[N],pressure[kPa]"],
-)  # fmt: skip
-def test_wrong_columns_by_place(names):
-    with pytest.raises(ValueError, match="column"):
-        loads(table(",", [FORCE, PRESSURE, TIME, [1] * 4, LENGTH]), columns=names, rest_length=REST)
+    two = "force[N],pressure[kPa]"
+    for wrong in ("force[N],voltage,-", "force[N],force,-", f"{two},-,-,length[mm],time",
+                  f"{two},-", two):  # fmt: skip
+        with pytest.raises(ValueError, match="column"):
+            loads(text, columns=wrong, rest_length=REST)
 
 
 def test_constants_come_from_options_sidecar_and_name(tmp_path):
@@ -156,9 +150,8 @@ def test_constants_come_from_options_sidecar_and_name(tmp_path):
     ):  # fmt: skip
         with pytest.raises(ValueError, match=r"pattern|mass|pressure"):
             load(path, **options)
-    path.with_suffix(".toml").write_text(
-        'columns = ["force [N]", "pressure [kPa]"]\nstrain = 0.1\nrows = "2:"\n'
-    )
+    columns = 'columns = ["force [N]", "pressure [kPa]"]\n'
+    path.with_suffix(".toml").write_text(columns + 'strain = 0.1\nrows = "2:"\n')
     path.write_text(text.partition("\n")[2])
     record = load(path)
     assert_allclose(record.strain, 0.1)
@@ -177,10 +170,8 @@ def test_files_by_pattern(tmp_path):
         for pressure in (100, 200):
             path = tmp_path / f"{length}mm_{pressure}kPa.csv"
             path.write_text(table(",", [TIME, [f + length + pressure for f in FORCE]]))
-    record = load(
-        str(tmp_path / "*.csv"), columns="time,force[N]", name_pattern="{length}mm_{pressure}kPa",
-        rest_length=REST,
-    )  # fmt: skip
+    how = {"columns": "time,force[N]", "name_pattern": "{length}mm_{pressure}kPa"}
+    record = load(str(tmp_path / "*.csv"), rest_length=REST, **how)
     assert len(record) == 16 and len(record.sources) == 4
     assert sorted(set(record.pressure)) == [100e3, 200e3]
     assert_allclose(sorted(set(record.strain)), [0, 10 / 180])
@@ -201,9 +192,8 @@ def test_rows_are_selected_before_they_are_read():
 def test_absolute_pressures_and_zeros_of_gauges():
     text = "P (kPa abs),F [N],L [mm]\n" + table(",", [[x + 101.3 for x in PRESSURE], FORCE, LENGTH])
     check(loads(text, rest_length=REST, atmosphere="101.3 kPa"), time=False)
-    text = "P [kPa],F [N],x [mm]\n" + table(
-        ",", [[x + 1.5 for x in PRESSURE], [x + 8 for x in FORCE], [x + 2 for x in CONTRACTION]]
-    )
+    shifted = [np.add(PRESSURE, 1.5), np.add(FORCE, 8), np.add(CONTRACTION, 2)]
+    text = "P [kPa],F [N],x [mm]\n" + table(",", shifted)
     zeros = {"pressure": "1.5 kPa", "force": 8.0, "displacement": "2 mm"}
     check(loads(text, rest_length=REST, zeros=zeros), time=False)
     with pytest.raises(ValueError, match="mass"):
@@ -211,9 +201,8 @@ def test_absolute_pressures_and_zeros_of_gauges():
 
 
 def test_directions():
-    text = "P [kPa],F [N],position [mm]\n" + table(
-        ",", [PRESSURE, [-x for x in FORCE], [-x for x in CONTRACTION]]
-    )
+    turned = [PRESSURE, np.negative(FORCE), np.negative(CONTRACTION)]
+    text = "P [kPa],F [N],position [mm]\n" + table(",", turned)
     assert asked(text, rest_length=REST)[0][:2] == ("signs", "displacement")
     signs = {"displacement": "extension", "force": "pushing positive"}
     check(loads(text, rest_length=REST, signs=signs), time=False)
@@ -342,12 +331,10 @@ def test_specimens_of_one_file_are_not_mixed():
         ",", [TIME, [-x for x in CONTRACTION], FORCE]
     )
     text = '"Results"\n"1",118.4\n\n' + "\n".join(block.format(i) for i in (1, 2, 3))
-    options = {"rest_length": REST, "constants": {"pressure": "200 kPa"}}
-    (choice,) = asked(text, **options)
-    assert choice[:3] == ("rows", "", "1:4")
-    for rows in (choice[2], "6:9"):
-        check(loads(text, rows=rows, **options), pressure=False)
-    assert len(loads(text, rows="1:", **options)) == 12
+    assert asked(text, **GIVEN) == [("rows", "", "1:4")]
+    for rows in ("1:4", "6:9"):
+        check(loads(text, rows=rows, **GIVEN), pressure=False)
+    assert len(loads(text, rows="1:", **GIVEN)) == 12
     # a name in each row is no name of a block
     named = "id,p [kPa],F [N],L [mm]\n" + "".join(
         f"Sample {i},{p},{f},{x}\n" for i, (_, p, f, x) in enumerate(ROWS)
@@ -360,14 +347,13 @@ def test_one_of_two_specimens_side_by_side_is_chosen():
     columns = [TIME, [-x for x in CONTRACTION], FORCE]
     other = [TIME, columns[1], [2 * f for f in FORCE]]
     text = f"Specimen 1,,,Specimen 2,,\n{names},{names}\n{table(',', [*columns, *other])}"
-    given = {"rest_length": REST, "constants": {"pressure": "200 kPa"}}
-    assert asked(text, **given)[0][0] == "columns"
-    named = "time,displacement[mm],force[N]"
-    signs = {"displacement": "extension"}
-    first, second = (
-        loads(text, columns=columns, signs=signs, **given)
-        for columns in (f"{named},-,-,-", f"-,-,-,{named}")
+    assert asked(text, **GIVEN)[0][0] == "columns"
+    named, given = (
+        "time,displacement[mm],force[N]",
+        {"signs": {"displacement": "extension"}, **GIVEN},
     )
+    first = loads(text, columns=f"{named},-,-,-", **given)
+    second = loads(text, columns=f"-,-,-,{named}", **given)
     check(first, pressure=False)
     assert_allclose(second.force, other[2])
     assert_allclose(second.strain, first.strain)
@@ -434,10 +420,9 @@ def test_signals_of_gauges_have_scales(tmp_path):
     check(load(path), time=False)
     choices = asked(text, scales={"pressure": scales["pressure"]}, **given)
     assert choices[0][:2] == ("scales", "force")
+    named = text.replace("P_sens [V]", "P [kPa]")
     with pytest.raises(ValueError, match="unit is kPa, not V"):
-        loads(
-            text.replace("P_sens [V]", "P [kPa]"), columns={"pressure": "P"}, scales=scales, **given
-        )
+        loads(named, columns={"pressure": "P"}, scales=scales, **given)
     for wrong in ("1.475bar", "V", "1.475N/V", 3):
         with pytest.raises(ValueError, match=r"scale.* of pressure|no unit of pressure"):
             loads(text, scales={"pressure": wrong}, **given)
@@ -468,9 +453,8 @@ def test_a_mat_file_with_a_bare_matrix_or_a_constant(tmp_path):
 def test_cells_that_excel_shows_in_percent(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     strain = np.array(CONTRACTION) / 180
-    for header, factor, form in (
-        ("strain [%]", 1, "0.0%"), ("strain", 1, "0.0%"), ("strain [%]", 100, "General")
-    ):  # fmt: skip
+    percent = [("strain [%]", 1, "0.0%"), ("strain", 1, "0.0%"), ("strain [%]", 100, "General")]
+    for header, factor, form in percent:
         book = openpyxl.Workbook()
         rows = [[header, "p [kPa]", "F [N]"], *zip(strain * factor, PRESSURE, FORCE, strict=True)]
         for row in rows:
@@ -537,18 +521,13 @@ def test_a_missing_reader_is_named(tmp_path, monkeypatch):
 
 def test_isometric_and_isotonic_records_have_runs():
     P = np.r_[np.linspace(0, 400, 30), np.linspace(400, 0, 30)]
-    isometric = "".join(
-        f"{p + 0.1:.1f},{length},{0.3 * p * (length - 150) / 30:.2f}\n"
-        for length in (180, 170, 160) for p in P
-    )  # fmt: skip
-    record = loads("p [kPa],L [mm],F [N]\n" + isometric, rest_length=REST)
-    found = runs(record)
+    length, p = (x.ravel() for x in np.meshgrid([180, 170, 160], P, indexing="ij"))
+    isometric = table(",", [p + 0.1, length, 0.3 * p * (length - 150) / 30], "p [kPa],L [mm],F [N]")
+    found = runs(loads(isometric, rest_length=REST))
     assert [(run.kind, run.branch) for run in found] == [("strain", 1), ("strain", -1)] * 3
-    isotonic = "".join(
-        f"{p},{mass},{180 - p / 8 + mass / 100:.3f}\n" for mass in (200, 500) for p in P
-    )
-    record = loads("p [kPa],load [gf],L [mm]\n" + isotonic, rest_length=REST)
-    found = runs(record)
+    mass, p = (x.ravel() for x in np.meshgrid([200, 500], P, indexing="ij"))
+    isotonic = table(",", [p, mass, 180 - p / 8 + mass / 100], "p [kPa],load [gf],L [mm]")
+    found = runs(loads(isotonic, rest_length=REST))
     assert [(run.kind, run.branch) for run in found] == [("force", 1), ("force", -1)] * 2
     assert found[0].level == pytest.approx(0.2 * 9.80665)
 
@@ -556,18 +535,24 @@ def test_isometric_and_isotonic_records_have_runs():
 def test_words_between_numbers_are_no_units():
     rows = zip(FORCE, ["up"] * 4, CONTRACTION, ["ok"] * 4, strict=True)
     text = "F_N branch x_mm state\n" + "".join(f"{f} {a} {x} {b}\n" for f, a, x, b in rows)
-    record = loads(text, rest_length=REST, constants={"pressure": "200 kPa"})
+    record = loads(text, **GIVEN)
     check(record, pressure=False, time=False)
     assert record.branch.tolist() == [1] * 4
 
 
 def test_an_odd_row_leaves_out_no_others():
     rows = table(",", [FORCE, PRESSURE, LENGTH]).splitlines()
-    for middle in (["60.1,"], ["Force,Pressure,Length"]):
-        text = "\n".join([*rows[:3], *middle, *[rows[3]] * 4])
+    for odd in ("60.1,", "Force,Pressure,Length"):
+        text = "\n".join([*rows[:3], odd, *[rows[3]] * 4])
         record = loads(text, columns="force[N],pressure[kPa],length[mm]", rest_length=REST)
         assert record.force.tolist() == FORCE[:3] + [FORCE[3]] * 4
         assert any("1 row" in note and "line 4" in note for note in record.notes)
+
+
+def test_a_minus_of_typesetters():
+    rows = [PRESSURE, FORCE, [f"\u2212{x}" for x in CONTRACTION]]
+    text = "P [kPa],F [N],extension [mm]\n" + table(",", rows)
+    check(loads(text, rest_length=REST), time=False)
 
 
 @pytest.mark.parametrize(
@@ -582,12 +567,6 @@ def test_another_header_further_down_is_refused(other):
     choices = asked(text, rest_length=REST)
     assert choices[0][0] == "rows"
     check(loads(text, rest_length=REST, rows=choices[0][2]), time=False)
-
-
-def test_a_minus_of_typesetters():
-    rows = [PRESSURE, FORCE, [f"\u2212{x}" for x in CONTRACTION]]
-    text = "P [kPa],F [N],extension [mm]\n" + table(",", rows)
-    check(loads(text, rest_length=REST), time=False)
 
 
 def test_groups_that_state_pressures_are_one_record(tmp_path):

@@ -117,24 +117,12 @@ def test_a_given_unit_is_not_that_of_columns_with_other_names():
     assert asked(text, rest_length=0.2)[0] == ("columns", "length", "s")
 
 
-def test_a_strain_gauge_beside_a_length_is_not_the_contraction():
-    text = "P [kPa],F [N],L [mm],Strain [µm/m]\n200,50,190,3\n"
-    assert loads(text, rest_length=0.2).strain == pytest.approx([0.05])
-
-
 def test_fractions_in_a_column_of_percent_are_refused():
     rows = "\n".join(f"200,{100 - 400 * x},{x}" for x in (0, 0.05, 0.1, 0.15, 0.2, 0.25))
     text = table(position="Contraction (%)", values=rows)
     assert asked(text)[0] == ("units", "strain", "1")
-    for unit, factor in (("1", 1), ("%", 0.01)):
-        record = loads(text, units={"strain": unit})
-        assert record.strain.max() == pytest.approx(0.25 * factor)
-
-
-@pytest.mark.parametrize("name", ["Theoretical force (N)", "Force model (N)", "F simulated (N)"])
-def test_a_models_force_is_not_the_measured_one(name):
-    text = f"P [kPa],L [mm],{name},Measured force (N)\n200,190,60,50\n"
-    assert loads(text, rest_length=0.2).force == [50]
+    for unit, largest in (("1", 0.25), ("%", 0.0025)):
+        assert loads(text, units={"strain": unit}).strain.max() == pytest.approx(largest)
 
 
 def test_a_hint_is_left_out_where_it_is_not_known():
@@ -192,21 +180,28 @@ def test_names_and_units_of_columns(role, header, si):
     assert (found.index, found.factor * found.sign) == (0, pytest.approx(si, rel=1e-14))
 
 
-def test_setpoints_and_rates_are_no_readings():
-    found = chosen("pressure setpoint [kPa],pressure sensor [kPa],strain rate,strain,force [N]")
-    assert (found["pressure"].index, found["strain"].index) == (1, 3)
-    # named in so many words, they are
+@pytest.mark.parametrize(
+    ("header", "places"),
+    [
+        ("pressure setpoint [kPa],pressure sensor [kPa],strain rate,strain,force [N]",
+         {"pressure": 1, "strain": 3, "force": 4}),
+        ("P [Pa],F [V],load cell [N],strain", {"pressure": 0, "force": 2, "strain": 3}),
+        ("P [Pa],F [N],gauge length [mm],extension [mm]",
+         {"pressure": 0, "force": 1, "displacement": 3}),
+        ("P [kPa],F [N],L [mm],Strain [µm/m]", {"pressure": 0, "force": 1, "length": 2}),
+        *((f"P [Pa],L [mm],{name} (N),Measured force (N)", {"pressure": 0, "length": 1, "force": 3})
+          for name in ("Theoretical force", "Force model", "F simulated")),
+    ],
+)  # fmt: skip
+def test_setpoints_signals_gauges_and_models_are_no_readings(header, places):
+    assert {role: column.index for role, column in chosen(header).items()} == places
+
+
+def test_a_setpoint_that_is_named_is_read_and_a_stress_is_no_pressure():
     given = chosen("pressure setpoint [kPa],strain,force [N]", {"pressure": "pressure setpoint"})
     assert given["pressure"].index == 0
-
-
-def test_raw_signals_stresses_and_gauge_lengths_are_no_readings():
-    assert chosen("pressure [Pa],F [V],load cell [N],strain")["force"].index == 2
     with pytest.raises(ValueError, match="no column of pressure found"):
         chosen("sigma [MPa],force [N],strain")
-    found = chosen("pressure [Pa],force [N],gauge length [mm],extension [mm]")
-    assert found["displacement"].index == 3
-    assert "length" not in found
 
 
 def test_a_remark_beside_a_name_and_a_unit_that_is_unknown():
@@ -219,6 +214,5 @@ def test_a_remark_beside_a_name_and_a_unit_that_is_unknown():
 
 def test_flags_branches_and_times():
     found = chosen("length_m,pressure_Pa,force_N,zero_is_no_tension,t [ms],direction,T [degC]")
-    places = [found[role].index for role in ("clipped", "time", "branch")]
-    assert places == [3, 4, 5]
+    assert [found[role].index for role in ("clipped", "time", "branch")] == [3, 4, 5]
     assert found["time"].factor == 1e-3

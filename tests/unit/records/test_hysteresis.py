@@ -50,21 +50,13 @@ def test_noise_is_averaged_in_cells():
 
 def test_equal_strains_need_no_grid():
     strains = [0.0, 0.07, 0.1, 0.15]
-    record = Record.of(
-        1e5, np.array(strains + strains), [8.0, 6, 4, 2, 10, 8, 6, 4], branch=[1] * 4 + [-1] * 4
-    )
-    half = averaged(record)
+    branch, clipped = np.repeat([1, -1], 4), np.arange(8) == 3
+    half = averaged(Record.of(1e5, strains * 2, [8, 6, 4, 2, 10, 8, 6, 4], clipped, branch))
     assert_array_equal(half.record.strain, strains)
     assert_array_equal(half.record.force, [9, 7, 5, 3])
     assert_array_equal(half.width, 2)
-
-
-def test_a_clipped_branch_makes_a_clipped_mean():
-    record = Record.of(
-        1e5, np.tile([0.0, 0.1, 0.2], 2), [8.0, 4, 0, 10, 6, 2],
-        censored=[False, False, True, False, False, False], branch=[1] * 3 + [-1] * 3,
-    )  # fmt: skip
-    assert_array_equal(averaged(record).record.censored, [False, False, True])
+    # of one clipped branch the mean is
+    assert_array_equal(half.record.censored, [False, False, False, True])
 
 
 def test_one_branch_is_kept_as_it_is():

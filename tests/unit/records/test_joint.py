@@ -77,17 +77,14 @@ def test_the_sidecar_has_the_geometry(tmp_path):
             load(path)
 
 
-@pytest.mark.parametrize(
-    ("change", "choice"),
-    [
+def test_what_is_missing_is_asked_for():
+    for change, choice in (
         ({"moment_arm": None}, ("moment_arm", "", "25 mm")),
         ({"zeros": None}, ("zeros", "angle", "0 deg")),
         ({"rest_length": None}, ("rest_length", "", "")),
         ({"zeros": {"angle": "70 deg"}}, ("signs", "angle", "extension positive")),
-    ],
-)
-def test_what_is_missing_is_asked_for(change, choice):
-    assert asked(TEXT, **JOINT | change)[0] == choice
+    ):
+        assert asked(TEXT, **JOINT | change)[0] == choice
 
 
 def test_a_pull_that_grows_with_contraction_has_the_wrong_direction():
@@ -157,10 +154,7 @@ def test_arms_stay_with_their_readings():
 
 
 def test_a_fit_to_a_joint_recovers_a_constant():
-    truth = fs.Muscle(
-        length=0.2, outer_radius=6e-3, wall_thickness=1.5e-3, braid_angle=np.radians(30),
-        material="latex",
-    )  # fmt: skip
+    truth = fs.Muscle(0.2, 6e-3, 1.5e-3, np.radians(30), "latex")
     angle = np.radians(np.arange(0, 61, 2.0))
     # an arm of which the integral is known: r = 0.02 + 0.01 sin(angle) [m]
     arm = 0.02 + 0.01 * np.sin(angle)
@@ -173,8 +167,7 @@ def test_a_fit_to_a_joint_recovers_a_constant():
     fine = np.radians(np.arange(0, 61, 0.5))
     table = {"angle": fine, "arm": 0.02 + 0.01 * np.sin(fine)}
     record = loads(text, moment_arm=table, rest_length=0.2, zeros={"angle": 0.0})
-    start = truth.replace(braid_angle=np.radians(33))
-    calibration = fit(record, start, ["braid_angle"])
+    calibration = fit(record, truth.replace(braid_angle=np.radians(33)), ["braid_angle"])
     (estimate,) = calibration.parameters
     deviation = (estimate.high - estimate.low) / (2 * 1.645)  # of a 90 % interval
     assert abs(estimate.value - np.radians(30)) < 4 * deviation

@@ -64,9 +64,8 @@ def test_another_file_of_any_name(files, tmp_path):
 
 def test_a_muscles_file_of_the_same_name_is_not_meant(files):
     path = files('format = 1\n[muscle]\nlength = "127 mm"\n')
-    assert (
-        load(path, columns={"force": "A"}, units={"force": "N"}, rest_length=0.3).rest_length == 0.3
-    )
+    record = load(path, columns={"force": "A"}, units={"force": "N"}, rest_length=0.3)
+    assert record.rest_length == 0.3
 
 
 @pytest.mark.parametrize(
