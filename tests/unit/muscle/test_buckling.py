@@ -20,15 +20,8 @@ muscle = fs.Muscle(L0, 6.35e-3, 1.6e-3, math.radians(33), "silicone_kim2021")
 law = Kim2021()
 P = 34.5e3
 column = muscle.law.at(P).column
-EPS_F, L, EI, EA = (
-    float(v)
-    for v in (
-        column.free_strain,
-        column.free_length,
-        column.bending_stiffness,
-        column.axial_stiffness,
-    )
-)
+EPS_F, L = float(column.free_strain), float(column.free_length)
+EI, EA = float(column.bending_stiffness), float(column.axial_stiffness)
 
 
 def state_of(law, column, eps):

@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.muscle.buckling.kim2021 import (
-    bow_ratio,
-    compression_at_moment,
-)
+from fascicle.muscle.buckling.kim2021 import bow_ratio, compression_at_moment
 
 
 SLENDER = np.array([0.1, 1.0, 6.0, 25.0, 300.0, 4e3])  # c of L0/r0 from 1 to some 250

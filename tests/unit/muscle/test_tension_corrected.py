@@ -54,22 +54,3 @@ def test_an_offset_counts_against_the_corrected_force():
     law, c1 = Meller2014(1.2, 0.8), jnp.asarray(3.0)
     found = law.free_strain(IDEAL.bladder, 1e5, lambda P: c1 + 0 * P)
     assert_allclose(law.components(IDEAL.bladder, 1e5, found)[0], 3.0, rtol=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("argument", "make"),
-    [
-        ("strain_factor", lambda: TonduLopez(0.0)),
-        ("strain_factor_rise", lambda: TonduLopez(1.0, -1.0)),
-        ("strain_factor_rise", lambda: TonduLopez(1.0, math.nan)),
-        ("decay_pressure", lambda: TonduLopez(1.0, 0.2, 0.0)),
-        ("strain_factor", lambda: Meller2014(-1.0)),
-        ("force_factor", lambda: Meller2014(1.0, math.inf)),
-        ("pressure", lambda: Meller2014.from_measured(IDEAL.braid, 0.0, 0.2, 5.0)),
-        ("free_strain", lambda: Meller2014.from_measured(IDEAL.braid, 1e5, 0.0, 5.0)),
-    ],
-)
-def test_refuses_what_cannot_be(argument, make):
-    with pytest.raises(fs.InvalidInputError) as error:
-        make()
-    assert error.value.argument == argument

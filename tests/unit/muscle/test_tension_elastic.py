@@ -122,10 +122,6 @@ def test_no_cycle_makes_energy():
 def test_fibers_that_are_known_make_a_law():
     law = ElasticBraid.from_fibers(STIFF.braid, 150.0, 96)
     assert_allclose(law.fiber_stiffness, 96 * 150 / (math.pi * 6.35e-3**2))
-    with pytest.raises(ValueError, match=r"^`count` must be positive"):
-        ElasticBraid.from_fibers(STIFF.braid, 150.0, 0)
-    with pytest.raises(ValueError, match=r"^`fiber_stiffness` must be positive"):
-        ElasticBraid(-1.0)
 
 
 def test_a_fit_finds_the_stiffness():

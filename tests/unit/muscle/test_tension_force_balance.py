@@ -81,8 +81,3 @@ def test_without_a_bore_pressure_has_nothing_to_push():
     assert np.array_equal(thick.response(3e5, eps).mesh, [0, 0])
     slopes = jax.jit(jax.vmap(jax.grad(thick.force, (0, 1)), (None, 0)))(3e5, eps)
     assert np.all(np.isfinite(slopes)) and np.all(np.asarray(slopes[1]) < 0)
-
-
-def test_refuses_another_term():
-    with pytest.raises(ValueError, match=r"^`pressure_term` 'outer' is unknown: .*inner_radius"):
-        Kothera2009("outer")
