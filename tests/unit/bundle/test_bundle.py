@@ -10,18 +10,11 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 
 
-SIZES = {
-    "length": 0.127,
-    "outer_radius": 6.35e-3,
-    "wall_thickness": 1.6e-3,
-    "braid_angle": math.radians(33),
-    "material": "silicone_kim2021",
-}
-LONGER = SIZES | {"length": 0.131}
+LAST = (math.radians(33), "silicone_kim2021")
 FULL = 344.7e3
-muscle = fs.Muscle(**SIZES)
-thick = fs.Muscle(**SIZES | {"outer_radius": 9e-3, "wall_thickness": 2.25e-3})
-bent = fs.Muscle(**SIZES, buckling="elastica")
+muscle = fs.Muscle(0.127, 6.35e-3, 1.6e-3, *LAST)
+thick = fs.Muscle(0.127, 9e-3, 2.25e-3, *LAST)
+bent = fs.Muscle(0.127, 6.35e-3, 1.6e-3, *LAST, buckling="elastica")
 unlike = fs.Bundle([fs.MotorUnit(muscle, 2), fs.MotorUnit(bent, 1), fs.MotorUnit(thick, 3)])
 pair = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 4)])
 
@@ -50,31 +43,18 @@ def test_pressures_and_strain_broadcast(shape):
     assert_allclose(force, pair.force([FULL, 50e3], 0.1), rtol=1e-14)
 
 
-stout = fs.Muscle(
-    **SIZES | {"length": 0.102},
-    tuning=fs.Tuning(
-        youngs_modulus_factor=1.25,
-        collapse_moment_factor=1.1,
-        hinge_stiffness_factor=1.25,
-        hinge_stiffness_slope=0.87e-5,
-        transition_rate=100.0,
-    ),
-)
-STOUT = fs.Bundle([fs.MotorUnit(stout), fs.MotorUnit(stout, 4)])
-
-
 def test_compiled_equilibria_are_complete():
     """As many as there may be are listed for all bundles together, not only one for each."""
-    P = np.array([[FULL, 66e3], [FULL, 69e3], [FULL, 72e3], [FULL, 75e3]])
-    P = np.concatenate([P, P])
-    result, plain = jax.jit(STOUT.equilibria)(jnp.asarray(P)), STOUT.equilibria(P)
+    factors = {"youngs_modulus_factor": 1.25, "collapse_moment_factor": 1.1}
+    hinge = {"hinge_stiffness_factor": 1.25, "hinge_stiffness_slope": 0.87e-5}
+    tuning = fs.Tuning(**factors, **hinge, transition_rate=100.0)
+    stout = muscle.replace(length=0.102, tuning=tuning)
+    bundle = fs.Bundle([fs.MotorUnit(stout), fs.MotorUnit(stout, 4)])
+    P = np.tile([[FULL, 66e3], [FULL, 69e3], [FULL, 72e3], [FULL, 75e3]], (2, 1))
+    result, plain = jax.jit(bundle.equilibria)(jnp.asarray(P)), bundle.equilibria(P)
     assert plain.count.sum() > len(P) + 5  # with room for fewer, some would be lost
     assert result.count.tolist() == plain.count.tolist()
     assert_allclose(result.strain, plain.strain, rtol=0, atol=1e-12)
-
-
-LONG = fs.Bundle([fs.MotorUnit(fs.Muscle(**LONGER)), fs.MotorUnit(muscle, 2)],
-                 length=0.127)  # fmt: skip
 
 
 def test_strains_without_a_load_are_the_equilibria():
@@ -95,9 +75,10 @@ def test_replace_checks_new_arguments_and_keeps_the_others():
     batch = pair.replace(scheme="batch", supply_pressure=FULL)
     assert (batch.scheme, batch.supply_pressure) == ("batch", FULL) and pair.scheme == "orderly"
     assert batch.motor_units == pair.motor_units
-    assert LONG.replace(scheme="batch").plate_distance == LONG.plate_distance
+    units = [fs.MotorUnit(muscle.replace(length=0.131)), fs.MotorUnit(muscle, 2)]
+    assert fs.Bundle(units, length=0.127).replace(scheme="batch").plate_distance == 0.127
     thin = muscle.replace(wall_thickness=1e-3, buckling="elastica")
-    assert thin == fs.Muscle(**SIZES | {"wall_thickness": 1e-3}, buckling="elastica")
+    assert thin == fs.Muscle(0.127, 6.35e-3, 1e-3, *LAST, buckling="elastica")
     assert muscle.replace() == muscle
     with pytest.raises(ValueError, match="`wall_thickness` must be less than `outer_radius`"):
         muscle.replace(wall_thickness=7e-3)

@@ -12,13 +12,8 @@ from fascicle import energetics
 
 SUPPLY = 413.7e3
 wide = 9e-3 * math.sqrt(2)
-semu = fs.Muscle(
-    0.127,
-    wide,
-    0.25 * wide,
-    math.radians(33),
-    fs.MooneyRivlin(c10=118.4e3, c01=105.7e3, youngs_modulus=1.78e6),
-)
+rubber = fs.MooneyRivlin(118.4e3, 105.7e3, youngs_modulus=1.78e6)
+semu = fs.Muscle(0.127, wide, 0.25 * wide, math.radians(33), rubber)
 two = fs.Bundle.constant_cross_section(semu, 2, SUPPLY)
 thin = two.motor_units[0].muscle
 
@@ -73,9 +68,9 @@ def test_efficiency_at_a_point_is_work_over_energy(path):
     strain, pressure = 0.1, 200e3
     force = float(two.force([pressure, 0.0], strain))
     result = energetics.efficiency_map(two, path=path, force=force, strain=strain)
-    work = energetics.work(two, [pressure, 0.0], strain) if path == "isobaric" else None
-    work = force * strain * 0.127 if work is None else float(work)
-    expected = work / float(energetics.fluid_energy(two, strain, SUPPLY, [1, 0]))
+    isobaric = path == "isobaric"
+    work = energetics.work(two, [pressure, 0.0], strain) if isobaric else force * strain * 0.127
+    expected = float(work) / float(energetics.fluid_energy(two, strain, SUPPLY, [1, 0]))
     # between levels force and work are linear while unit 1 pulls: only rounding remains
     assert_allclose(result.efficiency, expected, rtol=1e-9)
     assert result.state == 1

@@ -14,12 +14,9 @@ two = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle)], SUPPLY)
 three = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle), fs.MotorUnit(muscle, 2)], SUPPLY)
 
 
-def test_orderly_recruitment_fills_one_unit_after_another():
+def test_orderly_recruitment_fills_units_and_batch_recruitment_gives_all_one_pressure():
     assert pressures_of(2, 1e5, SUPPLY, 3).tolist() == [SUPPLY, 1e5, 0.0]
     assert pressures_of(1, [0.0, 1e5], SUPPLY, 2).tolist() == [[0.0, 0.0], [1e5, 0.0]]
-
-
-def test_batch_recruitment_gives_all_active_units_one_pressure():
     assert pressures_of(2, 1e5, SUPPLY, 3, "batch").tolist() == [1e5, 1e5, 0.0]
 
 
@@ -35,9 +32,8 @@ def test_curves_are_forces_at_the_pressures_of_the_state(scheme):
 
 def test_a_region_holds_its_curves_and_has_an_outline():
     result = workspace(two)
-    assert np.all(result.low[:, None] <= result.force) and np.all(
-        result.force <= result.high[:, None]
-    )
+    assert np.all(result.low[:, None] <= result.force)
+    assert np.all(result.force <= result.high[:, None])
     strain, force = result.outline(1)
     assert strain.shape == force.shape and np.all(force >= 0)
     assert_allclose(force.max(), two.force([SUPPLY, 0.0], 0.0))

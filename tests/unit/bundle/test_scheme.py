@@ -28,13 +28,16 @@ class LastFirst(AbstractScheme):
         return [State(full=range(k + 1, units), throttled=[k]) for k in reversed(range(units))]
 
 
-class OneOrAll(AbstractScheme):
-    """One unit throttled, or that one held and all others together; a gap lies between."""
+class Given(AbstractScheme):
+    """States that are given."""
 
-    name = "one or all"
+    name = "given by hand"
+
+    def __init__(self, states):
+        self.given = states
 
     def states(self, units):
-        return [State([], [0]), State(range(units - 1), [units - 1])]
+        return self.given[:units]
 
 
 def test_a_scheme_equals_its_name_and_is_copied():
@@ -68,19 +71,11 @@ def test_a_scheme_may_hold_an_array():
     assert bundle.recruit(20.0, 0.05).unit == 2
 
 
-class OneOrOther(AbstractScheme):
-    """The first unit alone, or the second: a later state takes less fluid where its unit does."""
-
-    name = "one or other"
-
-    def states(self, units):
-        return [State([], [unit]) for unit in range(units)]
-
-
 def test_of_several_states_the_one_of_least_fluid_is_selected():
-    force = [2.0, 5.0]
+    # a later state takes less fluid where its unit does
+    force, one_or_other = [2.0, 5.0], Given([State([], [0]), State([], [1])])
     for units, best in (((thick, thin), 2), ((thin, thick), 1)):
-        bundle = fs.Bundle([fs.MotorUnit(one) for one in units], SUPPLY, OneOrOther())
+        bundle = fs.Bundle([fs.MotorUnit(one) for one in units], SUPPLY, one_or_other)
         result = fs.recruitment.recruit(bundle, force, 0.1)
         assert result.state.tolist() == [best, best] and np.all(result.count >= 2)
     free = fs.recruitment.recruit(bundle, force, 0.1, scheme="free")
@@ -129,7 +124,8 @@ def test_designs_are_evaluated_by_a_user_s_scheme(alike):
 
 
 def test_forces_in_a_gap_between_states_are_unreachable():
-    bundle = three.replace(scheme=OneOrAll())
+    one_or_all = Given([State([], [0]), State([0, 1], [2])])
+    bundle = three.replace(scheme=one_or_all)
     (low, high) = (
         getattr(fs.recruitment.workspace(bundle, strain=[0.1]), x)[:, 0] for x in ("low", "high")
     )
@@ -137,11 +133,11 @@ def test_forces_in_a_gap_between_states_are_unreachable():
     between = 0.5 * (high[0] + low[1])
     result = fs.recruitment.recruit(bundle, [between, 0.5 * high[0], 0.5 * (low[1] + high[1])], 0.1)
     assert result.status.tolist() == [1 if result.force[0] < between else 2, 0, 0]
-    task = Task.of([between, 0.5 * high[0]], [0.1, 0.1], SUPPLY, scheme=OneOrAll())
+    task = Task.of([between, 0.5 * high[0]], [0.1, 0.1], SUPPLY, scheme=one_or_all)
     designs = Designs.of(thin, [(1, 2, 3)])
     design = designs.bundle(0, task)
     edges = fs.recruitment.workspace(design, strain=[0.1])
-    asked = Task.of([0.5 * (edges.high[0, 0] + edges.low[1, 0])], [0.1], SUPPLY, scheme=OneOrAll())
+    asked = Task.of([0.5 * (edges.high[0, 0] + edges.low[1, 0])], [0.1], SUPPLY, scheme=one_or_all)
     values = evaluate(designs, asked, ["not_reached", "shortfall", "margin"])
     half = 0.5 * (edges.low[1, 0] - edges.high[0, 0])
     assert values["not_reached"] == 1 and half > 0
@@ -161,14 +157,8 @@ def test_files_hold_registered_schemes_only(tmp_path):
     "states", [[], [State([], [])], [State([0], [0])], [State([], [3])]],
 )  # fmt: skip
 def test_impossible_states_are_refused(states):
-    class Wrong(AbstractScheme):
-        name = "wrong"
-
-        def states(self, units):
-            return states[:units]
-
-    with pytest.raises(ValueError, match="wrong"):
-        fs.recruitment.recruit(three, 10.0, 0.1, scheme=Wrong())
+    with pytest.raises(ValueError, match="given by hand"):
+        fs.recruitment.recruit(three, 10.0, 0.1, scheme=Given(states))
 
 
 def test_a_class_and_another_schemes_name_are_refused():
