@@ -1,5 +1,7 @@
 """What one design does at each load case, against the bundle's own laws."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -33,13 +35,10 @@ def test_margin_equals_the_objective(designs, scheme):
 def test_different_units(muscle):
     same = Designs.of(muscle, [(2, 1)])
     radius = same.radius * np.array([[1.0, 1.3]])
-    other = Designs(
-        same.drawings, same.kind, same.counts, same.length, radius, 0.25 * radius, same.angle
-    )
+    other = replace(same, radius=radius, wall=0.25 * radius)
     task = Task.of([40.0, 150.0, 300.0], [0.2, 0.1, 0.05], SUPPLY)
-    assert_allclose(
-        cases(other, 0, task).spare.min(), evaluate(other, task, ["margin"])["margin"][0], rtol=1e-9
-    )
+    margin = evaluate(other, task, ["margin"])["margin"][0]
+    assert_allclose(cases(other, 0, task).spare.min(), margin, rtol=1e-9)
 
 
 def test_states_and_pressures_equal_recruit(designs):

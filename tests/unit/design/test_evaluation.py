@@ -1,5 +1,7 @@
 """Objectives of whole batches: of one design, and of different units."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -33,9 +35,7 @@ def test_different_units(muscle, task):
     names = ("largest_force", "envelope", "valves", "mean_efficiency", "not_reached")
     same = Designs.of(muscle, [(1, 1)])
     radius = same.radius * np.array([[1.0, 1.2]])
-    other = Designs(
-        same.drawings, same.kind, same.counts, same.length, radius, 0.25 * radius, same.angle
-    )
+    other = replace(same, radius=radius, wall=0.25 * radius)
     assert not other.uniform[0]
     values = evaluate(other, task, names)
     bundle = other.bundle(0, task)
@@ -61,8 +61,5 @@ def test_different_units(muscle, task):
 def test_unknown_objectives_and_invalid_designs_are_refused(five, task):
     with pytest.raises(ValueError, match="did you mean 'mean_efficiency'"):
         evaluate(five, task, ["mean_eficiency"])
-    thick = Designs(
-        five.drawings, five.kind, five.counts, five.length, five.radius, five.radius, five.angle
-    )
     with pytest.raises(ValueError, match="`wall_thickness` must be less"):
-        evaluate(thick, task, ["valves"])
+        evaluate(replace(five, wall=five.radius), task, ["valves"])

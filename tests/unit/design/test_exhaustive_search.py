@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from fascicle.core.errors import InvalidInputError
 from fascicle.design import Catalog, Limit, Space, Task, search
 from fascicle.design.objectives import as_minimization
 
@@ -138,16 +137,3 @@ def test_contraction_beyond_every_muscle(muscle, force):
     result = search(Space({"m": muscle}, (5,)), task, SENSES)
     assert result.recommended is None
     assert np.all(result.values["points_not_reached"] == 0.5)
-
-
-@pytest.mark.parametrize(
-    ("senses", "limits", "argument"),
-    [
-        ({"valve": "min"}, {}, "objectives"),
-        ({"valves": "min"}, {"envelope": Limit(2.0, 1.0)}, "envelope"),
-    ],
-)
-def test_invalid_searches_are_refused(muscle, task, senses, limits, argument):
-    with pytest.raises(InvalidInputError) as error:
-        search(Space({"m": muscle}, (2,)), task, senses, limits)
-    assert error.value.argument == argument

@@ -1,10 +1,8 @@
 import pickle
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
-from fascicle.core.errors import InvalidInputError
 from fascicle.design import Space
 from fascicle.design.designs import packed_radius
 
@@ -77,19 +75,3 @@ def test_designs_become_bundles(muscle, task):
     assert float(bundle.supply_pressure) == task.supply_pressure
     radii = [float(unit.muscle.outer_radius) for unit in bundle.motor_units]
     assert radii == designs.radius[1].tolist()
-
-
-@pytest.mark.parametrize(
-    ("argument", "changed"),
-    [
-        ("muscles", {"muscles": (0,)}),
-        ("muscles", {"muscles": (31,)}),
-        ("radius", {"radius_rule": "packing"}),
-        ("wall_ratio", {"wall_ratio": (1.0,)}),
-        ("unit_factors", {"muscles": (18,), "unit_factors": (1.0, 2.0, 3.0)}),
-    ],
-)
-def test_invalid_spaces_are_refused(muscle, argument, changed):
-    with pytest.raises(InvalidInputError) as caught:
-        Space(**({"drawings": {"m": muscle}, "muscles": (3,)} | changed))
-    assert caught.value.argument == argument
