@@ -1,9 +1,7 @@
-"""Cords that stretch and go slack: forces against a bisection of the laws, energy, and MJX."""
+"""Cords that stretch and go slack: forces against a bisection of the laws, and energy."""
 
 import warnings
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -12,8 +10,6 @@ from fascicle import fluid
 
 
 mujoco = pytest.importorskip("mujoco", reason="the extra robots isn't here")
-from fascicle.robots import optional_imports  # noqa: E402 needs what was just looked for
-
 
 SUPPLY = 413.7e3
 HELD = np.array([2e5, 1.5e5])
@@ -82,21 +78,33 @@ def test_pull_is_the_slope_of_the_stored_energy(elbow, bundle, cord, strain):
     assert abs((ends[0] - ends[1]) / (2 * step) - pull) < 1e-3 + 1e-5 * abs(pull)
 
 
-@pytest.mark.parametrize("cord", [ROD, CORD], ids=["rod", "cord"])
-def test_compliant_muscles_at_constant_pressure_conserve_energy(elbow, energy, cord):
-    model, data, drive = elbow(cord=cord, contraction=0.25)
+@pytest.mark.parametrize(
+    ("options", "seconds", "drift", "swing"),
+    [
+        ({}, 5, 1e-3, 0.02),
+        ({"spatial": True}, 5, 1e-3, 0.02),
+        ({"cord": ROD, "contraction": 0.25}, 2, 2e-3, 0.03),
+        ({"cord": CORD, "contraction": 0.25}, 2, 2e-3, 0.03),
+    ],
+    ids=["fixed", "spatial", "rod", "cord"],
+)
+def test_muscles_at_constant_pressure_conserve_energy(
+    elbow, energy, options, seconds, drift, swing
+):
+    model, data, drive = elbow(**options)
     begin, off, taut = energy(model, data, drive, HELD), [], []
     held = drive.start(model, data, HELD)
-    for k in range(2000):
+    for k in range(1000 * seconds):
         held = drive.step(model, data, held, HELD)
         taut.append(drive.rest_lengths - data.actuator_length > held.contractions)
         if k % 25 == 24:
             off.append(energy(model, data, drive, HELD) - begin)
-    if cord is CORD:
+    if options.get("cord") is CORD:
         assert 0.02 < np.mean(taut) < 0.98  # the cords go slack and taut
-    off = np.array(off)
-    assert abs(off[40:].mean() - off[:40].mean()) < 2e-3  # a symplectic step's mean stays
-    assert np.abs(off).max() < 0.03  # J, of 1 J that swings
+    # a symplectic step's energy swings by its order, and its mean stays: of two halves
+    halves = np.reshape(off, (2, -1))
+    assert abs(np.diff(halves.mean(axis=1))) < drift
+    assert np.abs(off).max() < swing  # J, of 1 J that swings
 
 
 def test_a_closed_chamber_balances_its_cord(elbow, bundle):
@@ -118,26 +126,3 @@ def test_a_closed_chamber_balances_its_cord(elbow, bundle):
         density = chamber.gas.density(P + chamber.room_pressure, chamber.room_temperature)
         np.testing.assert_allclose(density * volume, float(mass[i, 0]), rtol=1e-4)
     assert abs(held.pressures - HELD).max() > 100.0  # they have moved with the arm
-
-
-def test_a_slack_muscle_follows_in_mjx_as_in_mujoco(elbow):
-    model, data, drive = elbow(cord=CORD, contraction=0.25, **CHAMBERS)
-    mjx, steps = optional_imports.mjx(), 200
-    held, there = drive.start(model, data, HELD), mjx.put_model(model)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of MJX's own
-        begin = mjx.put_data(model, data)
-
-    def step(carry, _):
-        now, holding = drive.step_mjx(there, *carry, jnp.zeros(2))
-        return (now, holding), now.qpos
-
-    _, rows = jax.jit(lambda c: jax.lax.scan(step, c, length=steps))(
-        (begin, jax.tree.map(jnp.asarray, held))
-    )
-    expected, act = [], jax.jit(drive.act)
-    for _ in range(steps):
-        held = drive.step(model, data, held, np.zeros(2), act)
-        expected.append(data.qpos.copy())
-    # rounding of so many steps, and of each root
-    np.testing.assert_allclose(rows, expected, atol=1e-9)

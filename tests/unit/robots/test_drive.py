@@ -25,7 +25,6 @@ from fascicle.robots import (  # noqa: E402 needs what was just looked for
 
 SUPPLY = 413.7e3
 HELD = np.array([2e5, 1.5e5])
-SECONDS = 5.0
 AIR = {
     "supply": fluid.ConstantSupply(SUPPLY), "valve": fluid.SonicValve(1e-9, 0.3),
     "chamber": fluid.Isothermal(dead_volume=2e-6),
@@ -51,31 +50,6 @@ def check_pull(model, data, drive):
     pull = drive.pull(np.array([2e5]), np.array([0.0]))
     np.testing.assert_allclose(data.actuator_force, -pull)
     return float(pull[0])
-
-
-def drifts(made, energy, step, seconds=SECONDS):
-    """Energy of each fiftieth step over that at the beginning [J]."""
-    model, data, drive = made
-    begin = energy(model, data, drive, HELD)
-    held = drive.start(model, data, HELD)
-    result = []
-    for k in range(round(seconds / model.opt.timestep)):
-        held = step(model, data, drive, held)
-        if k % 50 == 49:
-            result.append(energy(model, data, drive, HELD) - begin)
-    return np.array(result)
-
-
-def right(model, data, drive, held):
-    return drive.step(model, data, held, HELD)
-
-
-@pytest.mark.parametrize("spatial", [False, True])
-def test_muscles_at_constant_pressure_conserve_energy(spatial, elbow, energy):
-    off = drifts(elbow(spatial), energy, right)
-    # a symplectic step's energy swings by its order, and its mean stays: of two halves
-    assert abs(off[50:].mean() - off[:50].mean()) < 1e-3
-    assert np.abs(off).max() < 0.02  # J, of 1 J that swings
 
 
 def test_runge_kutta_is_refused(elbow):
@@ -113,13 +87,26 @@ def test_an_open_valve_fills_to_the_supply_and_lifts(elbow):
     assert data.qpos[0] > 0.5  # the flexor is the shorter one
 
 
-@pytest.mark.parametrize("spatial", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_mjx_equals_mujoco(spatial, elbow):
-    model, data, drive = elbow(spatial, **AIR)
+SLACK = {"cord": {"stiffness": ["40 N/mm", 4e4], "slack": True}, "contraction": 0.25}
+
+
+# rounding of so many steps, and of each root of a cord, which velocities enlarge
+@pytest.mark.parametrize(
+    ("options", "steps", "size", "columns", "within"),
+    [
+        ({}, 400, 0.4, 4, {"rtol": 0, "atol": 1e-12}),
+        pytest.param(
+            {"spatial": True}, 400, 0.4, 4, {"rtol": 0, "atol": 1e-12}, marks=pytest.mark.slow
+        ),
+        (SLACK, 200, 0.0, 1, {"atol": 1e-9}),
+    ],
+    ids=["fixed", "spatial", "slack"],
+)
+def test_mjx_equals_mujoco(elbow, options, steps, size, columns, within):
+    model, data, drive = elbow(**options, **AIR)
     mjx = optional_imports.mjx()
-    steps = 400
     time = 1e-3 * np.arange(steps)
-    commands = 0.4 * np.stack([np.sin(6 * time), np.cos(5 * time)], axis=1)
+    commands = size * np.stack([np.sin(6 * time), np.cos(5 * time)], axis=1)
     held = drive.start(model, data, HELD)
     there = mjx.put_model(model)
     with warnings.catch_warnings():
@@ -137,10 +124,10 @@ def test_mjx_equals_mujoco(spatial, elbow):
     for command in commands:
         held = drive.step(model, data, held, command, act)
         expected.append([*data.qpos, *data.qvel, *(held.pressures / SUPPLY)])
-    # rounding of so many steps
-    assert np.max(np.abs(np.asarray(rows) - expected)) < 1e-12
+    expected = np.array(expected)
+    np.testing.assert_allclose(rows[:, :columns], expected[:, :columns], **within)
     assert bool(ended.inside)
-    assert np.ptp(np.array(expected)[:, 0]) > 0.1  # it has moved
+    assert np.ptp(expected[:, 0]) > 0.1  # it has moved
 
 
 @pytest.mark.parametrize("valved", [False, True])
