@@ -164,7 +164,7 @@ def _neglected_claims(bare: Workspace, disjoint: Overlap, named: float) -> tuple
 
 def _resisting_claims(full: Workspace, shared: Overlap) -> tuple[Claim, ...]:
     largest = float(full.strain[-1])
-    area, width = float(shared.area[0]), np.nan_to_num(shared.width[0])
+    area, width = float(shared.area[0]), np.nan_to_num(shared.high[0] - shared.low[0])
     place = float(shared.strain[np.argmax(width)]) if width.any() else np.nan
     there = shared.strain[width > 0]
     ends = (float(there.min(initial=np.inf)), float(there.max(initial=-np.inf)))

@@ -190,6 +190,7 @@ ZEROS = base64.b64encode(gzip.compress(bytes(2**20))).decode()
     "value",
     [
         [{"type": "bytes", "data": ZEROS}] * 2,
+        [{"type": "object", "name": "Range1d", "id": "x"}] * 101,
         {"a": {"type": "ndarray", "array": ["a"], "dtype": "U9", "shape": [1], "order": "little"}},
     ],
 )

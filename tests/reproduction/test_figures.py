@@ -2,9 +2,9 @@ import csv
 
 import numpy as np
 import pytest
+import xarray
 
 from fascicle.plot import free_strain
-from fascicle.results import labelled as results
 from fascicle.results.labelled import Variable
 from reproduction.figures import PaperFigure, tables, write_figure
 
@@ -40,7 +40,7 @@ def test_every_file_is_written_and_read_back(tmp_path):
     assert (tmp_path / "figure_99.svg").read_bytes() == written.svg
     assert written.tables["figure_99.csv"] == (tmp_path / "figure_99.csv").read_bytes()
     assert written.width == pytest.approx(88 / 25.4)
-    data = results.read(tmp_path / "figure_99.nc")
+    data = xarray.load_dataset(tmp_path / "figure_99.nc")
     np.testing.assert_array_equal(data["y"], [0, 1, 4])
     assert data["y"].attrs["units"] == "N"
     assert data["y"].attrs["source"] == "(1)"

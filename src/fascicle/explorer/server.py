@@ -57,7 +57,8 @@ _HOST = re.compile(r"(?P<name>\[[0-9a-f:.%]+\]|[^\s@/#?\[\]:]+)(?::\d{1,5})?")
 _CLOSED = ("/autoload.js", "/components/", "/metadata")
 _SESSION_NAMES = {"bokeh-session-id", "bokeh-token"}  # that two visitors would share
 # types of values in Bokeh's messages that take more memory than they have bytes
-_SWELLING = ("bytes", "ndarray", "object", "typed_array")
+_SWELLING = ("bytes", "ndarray", "typed_array")
+_MAX_OBJECTS = 100  # in a message: a button's click comes with the button and its parts
 
 
 def serve(
@@ -271,12 +272,13 @@ class LimitedSocket(WSHandler):
 
 
 def _swells(content: object) -> bool:
-    """True if a message's `content` has a value of one of the types `_SWELLING`."""
-    rest = [content]
+    """True for a `content` of a message with values of the types `_SWELLING`, or many objects."""
+    rest, objects = [content], 0
     while rest:
         value = rest.pop()
         if isinstance(value, dict):
-            if value.get("type") in _SWELLING:
+            objects += value.get("type") == "object"
+            if value.get("type") in _SWELLING or objects > _MAX_OBJECTS:
                 return True
             value = list(value.values())
         if isinstance(value, list):
