@@ -247,22 +247,20 @@ def has_set_loads(record: Record) -> bool:
 
 
 def after_turns(record: Record, length: float) -> np.ndarray | None:
-    """Mask of the readings at a turn of their sweep, and after it while friction still builds up;
+    """Mask of the readings so soon after a turn of their sweep that friction still builds up;
     `length`: reference of strains without one [m].
     """
     length = record.rest_length or length
     friction = fit_friction(record, length) if np.any(record.branch == DOWN) else None
-    if friction is None or friction.law is None:
+    if friction is None or not any(friction.resolved):  # the build-up is shorter than a step
         return None
     mask = np.zeros(len(record), dtype=bool)
-    # springs spread evenly over distances have the mean of one; the last slips at twice that, but
-    # within a step of the readings where the build-up is not resolved
-    distances = friction.breakaway * np.where(friction.resolved, 2, 1)
-    distance = float(np.max(distances)) / length
+    # springs spread evenly over distances have the mean of one; the last slips at twice that
+    distance = 2 * float(np.max(friction.breakaway)) / length
     for run in runs(record):
         if run.kind == "pressure":
             strain = record.strain[run.points]
-            mask[run.points] = np.abs(strain - strain[0]) <= distance
+            mask[run.points] = np.abs(strain - strain[0]) < distance
     return mask
 
 
