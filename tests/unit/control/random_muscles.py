@@ -10,8 +10,6 @@ here was measured on a bench. `study(4, 0.2, 24, seed=2026)` has the numbers of 
 from functools import cache
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 import fascicle as fs
@@ -100,48 +98,6 @@ def start_at(plant: dynamics.Plant, force: float, strain: float) -> dynamics.Sta
     return dynamics.equilibrium_state(plant, [float(pressure[0]), 0.0])
 
 
-def _stack(trees: list[Any]) -> tuple[list[Any], list[Any], Any]:
-    """Leaves of `trees` with an axis of trees where they differ, the axes, and the structure."""
-    columns = list(zip(*map(jax.tree.leaves, trees), strict=True))
-    is_equal = [all(np.array_equal(x, column[0]) for x in column) for column in columns]
-    leaves = [c[0] if s else np.stack(c) for c, s in zip(columns, is_equal, strict=True)]
-    return leaves, [None if s else 0 for s in is_equal], jax.tree.structure(trees[0])
-
-
-class Fleet:
-    """Plants that are simulated in one batch, each with its own controller."""
-
-    def __init__(self, plants: list[dynamics.Plant], force: float, strain: float):
-        """All at rest at a `strain` [-] and the first unit's share of a `force` [N]."""
-        self.plants = _stack(plants)
-        self.starts = _stack([start_at(plant, force, strain) for plant in plants])
-        self.size = len(plants)
-
-    def run(self, controllers: list[Any], demand: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Forces [N] and pressures [Pa] at each moment, and air drawn in each step [kg/s]."""
-        leaves, axes, kinds = zip(self.plants, self.starts, _stack(controllers), strict=True)
-        results = _program(kinds, tuple(map(tuple, axes)), self.size)(*leaves, demand)
-        return tuple(map(np.asarray, results))
-
-
-@cache
-def _program(kinds: tuple[Any, ...], axes: tuple[Any, ...], size: int) -> Any:
-    """Simulation of a fleet of a `size`, compiled once for all fleets alike: structures and axes of
-    its plants, starts and controllers.
-    """
-
-    def simulate(*parts: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
-        *trees, demand = parts
-        plant, start, controller = map(jax.tree.unflatten, kinds, trees)
-        run = dynamics.simulate(plant, controller, demand, DT, start=start, substeps=2)
-        force = jnp.sum(plant.lengths * plant.gains * run.outputs.forces, axis=-1)
-        air = jnp.maximum(run.outputs.drawn, 0.0).sum(-1)[:-1]
-        return force, run.outputs.pressures, air
-
-    in_axes = (*map(list, axes), None)
-    return jax.jit(jax.vmap(simulate, in_axes, axis_size=size))
-
-
 def make_demand(shape: str, duration: float, first: float) -> np.ndarray:
     """Demand [N] at each step; `first`: what the first unit holds [N]. "ramp", "down": and back in
     the same time, or "sine", two periods of a `duration` [s] each.
@@ -169,23 +125,24 @@ def study(
     state = control.transition(model.bundles[0], strain)
     first, depth = float(state.largest_force), float(state.dip)
     demand = make_demand(shape, duration, first)
-    fleet = Fleet(plants, demand[0], strain)
+    starts = [start_at(plant, demand[0], strain) for plant in plants]
     truth = [control.transition(plant.bundles[0], strain) for plant in plants]
     least = [max(float(t.dip - t.largest_force) + demand[0], 0.0) / depth for t in truth]
 
-    def result(force: np.ndarray, air: np.ndarray) -> Result:
-        rows = []
-        for plant, y, flow in zip(plants, force[:, 1:], air, strict=True):
-            can = demand <= 0.995 * float(plant.bundles[0].force([SUPPLY, SUPPLY], strain))
-            fall = drawdown(y, demand, can)
-            rise = drawdown(-y, -demand, can)  # while the demand falls
-            rows.append((max(fall, rise) / depth, float(flow[can].sum()) * DT))
-        dip, drawn = np.array(rows).T
-        return Result(dip, np.array(least), drawn)
+    def dip_and_air(plant: dynamics.Plant, start: Any, controller: Any) -> tuple[float, float]:
+        """Dip over D [-] and air [kg] of a run."""
+        run = dynamics.simulate(plant, controller, demand, DT, start=start, substeps=2)
+        y = np.sum(plant.lengths * plant.gains * np.asarray(run.outputs.forces)[1:], axis=-1)
+        can = demand <= 0.995 * float(plant.bundles[0].force([SUPPLY, SUPPLY], strain))
+        # while the demand rises, and while it falls
+        dip = max(drawdown(y, demand, can), drawdown(-y, -demand, can))
+        flow = np.maximum(run.outputs.drawn, 0.0).sum(-1)[:-1]
+        return dip / depth, float(flow[can].sum()) * DT
 
     results = {}
     for policy in ("threshold", "hand_over"):
-        controllers = [control.cascade(model, policy, delay=declared_delay)] * truths
-        force, _, air = fleet.run(controllers, demand)
-        results[policy] = result(force, air)
+        controller = control.cascade(model, policy, delay=declared_delay)
+        runs = [dip_and_air(*pair, controller) for pair in zip(plants, starts, strict=True)]
+        dip, air = np.array(runs).T
+        results[policy] = Result(dip, np.array(least), air)
     return results
