@@ -6,11 +6,6 @@ import pytest
 from tests.unit.control import random_muscles
 
 
-@pytest.fixture
-def study():
-    return random_muscles
-
-
 @pytest.mark.parametrize(
     ("count", "lag", "largest"),
     [
@@ -19,8 +14,8 @@ def study():
         pytest.param(4, 20e-3, 0.4, marks=pytest.mark.slow),
     ],
 )
-def test_random_muscles_are_handed_over_with_small_dips(study, count, lag, largest):
-    result = study.study(count, 0.2, 12, lag)
+def test_random_muscles_are_handed_over_with_small_dips(count, lag, largest):
+    result = random_muscles.study(count, 0.2, 12, lag)
     plain, handed = result["threshold"], result["hand_over"]
     can_cross = handed.least == 0
     assert can_cross.sum() >= 9
@@ -38,20 +33,20 @@ def test_random_muscles_are_handed_over_with_small_dips(study, count, lag, large
     ],
 )
 def test_a_steep_dip_is_crossed_no_faster_than_the_first_unit_can_follow(
-    study, monkeypatch, lag, declared, largest
+    monkeypatch, lag, declared, largest
 ):
     # all three can cross; the steep part of their dip is at other pressures than the model's
-    muscles = [study.draw_muscles(24, 1)[index] for index in (12, 14, 22)]
-    monkeypatch.setattr(study, "draw_muscles", lambda *_: muscles)
-    handed = study.study(4, 0.2, 3, lag, declared=declared)["hand_over"]
+    muscles = [random_muscles.draw_muscles(24, 1)[index] for index in (12, 14, 22)]
+    monkeypatch.setattr(random_muscles, "draw_muscles", lambda *_: muscles)
+    handed = random_muscles.study(4, 0.2, 3, lag, declared=declared)["hand_over"]
     assert np.all(handed.least == 0) and handed.dip.max() <= largest
 
 
 @pytest.mark.slow
-def test_force_withheld_from_a_fast_sine_comes_before_the_demand_falls(study, monkeypatch):
+def test_force_withheld_from_a_fast_sine_comes_before_the_demand_falls(monkeypatch):
     # all three can cross; a second unit that came past its dip as slowly as before it let the force
     # jump by a dip when the demand already fell
-    muscles = [study.draw_muscles(24, 1)[index] for index in (1, 6, 20)]
-    monkeypatch.setattr(study, "draw_muscles", lambda *_: muscles)
-    handed = study.study(4, 0.2, 3, duration=1.0, shape="sine")["hand_over"]
+    muscles = [random_muscles.draw_muscles(24, 1)[index] for index in (1, 6, 20)]
+    monkeypatch.setattr(random_muscles, "draw_muscles", lambda *_: muscles)
+    handed = random_muscles.study(4, 0.2, 3, duration=1.0, shape="sine")["hand_over"]
     assert np.all(handed.least == 0) and handed.dip.max() <= 0.25

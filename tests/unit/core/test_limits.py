@@ -21,27 +21,20 @@ def muscle(**changes):
 @pytest.mark.parametrize(
     "make",
     [
-        lambda x: muscle(length=x),
-        lambda x: muscle(outer_radius=x),
-        lambda x: muscle(wall_thickness=x),
-        lambda x: muscle(transition_rate=x),
-        lambda x: fs.MooneyRivlin(x, 1e5),
-        lambda x: fs.MooneyRivlin(1e5, x),
-        lambda x: fs.MooneyRivlin(1e5, 1e5, x),
-        fs.MooneyRivlin.from_youngs_modulus,
-        lambda x: fs.Tuning(youngs_modulus_factor=x),
-        lambda x: fs.Tuning(collapse_moment_factor=x),
-        lambda x: fs.Tuning(hinge_stiffness_factor=x),
-        lambda x: fs.Tuning(hinge_stiffness_slope=x),
-        lambda x: fs.Tuning(transition_rate=x),
-        lambda x: fs.Tuning([1e5], [x], [1.0]),
-        lambda x: fs.Tuning([1e5], [0.0], [x]),
+        *(lambda x, name=name: muscle(**{name: x})
+          for name in ("length", "outer_radius", "wall_thickness", "transition_rate")),
+        lambda x: fs.MooneyRivlin(x, 1e5), lambda x: fs.MooneyRivlin(1e5, x),
+        lambda x: fs.MooneyRivlin(1e5, 1e5, x), fs.MooneyRivlin.from_youngs_modulus,
+        *(lambda x, name=name: fs.Tuning(**{name: x})
+          for name in ("youngs_modulus_factor", "collapse_moment_factor", "hinge_stiffness_factor",
+                       "hinge_stiffness_slope", "transition_rate")),
+        lambda x: fs.Tuning([1e5], [x], [1.0]), lambda x: fs.Tuning([1e5], [0.0], [x]),
         lambda x: fs.MotorUnit(muscle(), int(x / 1e293)),
         lambda x: fs.design.Space({"m": muscle()}, (2,), length=(x,)),
         lambda x: fs.design.Space({"m": muscle()}, (2,), radius=(x,)),
         lambda x: fs.Bundle([fs.MotorUnit(muscle())], length=x),
     ],
-)
+)  # fmt: skip
 def test_impossible_sizes_are_refused_everywhere(make):
     with pytest.raises(fs.InvalidInputError):
         make(1e300)
@@ -66,9 +59,6 @@ def test_existing_muscles_do_not_warn(values):
 def test_an_unusual_size_warns():
     with pytest.warns(UserWarning, match=r"^`outer_radius` of"):
         muscle(outer_radius=1.01 * RANGES["outer_radius"].high, length=5.0)
-
-
-def test_a_muscle_shorter_than_wide_warns():
     with pytest.warns(UserWarning, match="is 1.57 times `outer_radius`"):
         muscle(length=0.01)
 

@@ -105,8 +105,7 @@ def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
         recruited.add(c_memory.recruited // 1)
         saturated += integral == float(memory.force_integral)
         limited += np.any(np.abs(expected) == 0.8)
-    # every number of units, the anti-windup and the valves' limit occurred; `hand_over` takes the
-    # second unit at once
+    # all numbers of units occurred (`hand_over` takes the second at once), anti-windup and limits
     at_all = {2.0, 3.0} if policy == "hand_over" else {1.0, 2.0, 3.0}
     assert recruited == at_all and saturated > 10 and limited > 20
     assert exact > 500  # of 600 steps

@@ -29,7 +29,6 @@ def test_force_over_strain_shows_the_law():
     curves = {line.get_label(): line.get_ydata() for line in axes.lines}
     for P in PRESSURES:
         np.testing.assert_allclose(curves[in_kilopascals(P)], MUSCLE.force(P, STRAINS), rtol=1e-12)
-    assert "34.5 kPa" in curves
 
 
 def test_components_add_up_to_the_force():

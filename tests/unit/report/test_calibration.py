@@ -114,17 +114,14 @@ def test_only_the_date_changes_the_page(fit, profiles, plots):
     assert first.replace(DATE, "2027-01-01") == later
 
 
-def test_curves_are_those_of_the_fitted_muscle(fit):
+def test_curves_are_those_of_the_fitted_muscle(fit, plots):
+    assert set(plots) == {"fit", "residuals", "profiles"}
     fitted = fit_plot(fit)
     # each curve ends where its readings do
     np.testing.assert_array_equal(fitted.curve_strain[:, [0, -1]], [[0, 0.2]] * 3)
     np.testing.assert_allclose(
         fitted.curve_force[0], fit.muscle.force(100e3, fitted.curve_strain[0]), rtol=1e-9
     )
-
-
-def test_a_fit_of_constants_has_no_readings_to_show(plots):
-    assert set(plots) == {"fit", "residuals", "profiles"}
 
 
 def test_provenance_is_read_back_as_it_was_saved(fit, tmp_path):
