@@ -175,8 +175,19 @@ def _replace_folder(draft: Path, target: Path, is_own: Callable[[Path], bool]) -
     former = draft.parent / "former"
     target.rename(former)
     draft.rename(target)
+    _keep_others(former, target, is_own)
+
+
+def _keep_others(former: Path, target: Path, is_own: Callable[[Path], bool]) -> None:
+    """Move the entries of `former` that aren't a result's own to `target`, and those in folders of
+    its own entries to folders of their names.
+    """
     for entry in former.iterdir():
-        if not is_own(entry) and not (target / entry.name).exists():
+        if is_own(entry):
+            if entry.is_dir() and any(map(is_own, entry.iterdir())):
+                _keep_others(entry, target / entry.name, is_own)
+        elif not (target / entry.name).exists():
+            target.mkdir(exist_ok=True)
             entry.rename(target / entry.name)
 
 

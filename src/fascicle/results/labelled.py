@@ -165,5 +165,10 @@ def check_result_path(path: str | os.PathLike[str]) -> Path:
 
 
 def is_zarr(path: Path) -> bool:
-    """True for the folder of a zarr group or array, and for a file that describes one."""
+    """True for the folder of a zarr group or array, for a file that describes one, and for the
+    chunks of an array in a group.
+    """
+    arrays = [folder for folder in (path.parent, path.parent.parent) if path.name == "c"]
+    if arrays and all((folder / _ZARR_FILES[0]).exists() for folder in arrays):
+        return True
     return path.name in _ZARR_FILES or any((path / file).exists() for file in _ZARR_FILES)

@@ -54,9 +54,11 @@ def test_a_folder_is_replaced_but_for_what_is_not_its_own(tmp_path):
     store = tmp_path / "x.zarr"
     write_store(store, a="old", b="old")
     (store / "thesis.txt").write_text("mine")
-    (store / "more").mkdir()
+    for name in ("more", "own-v", "own-v/own-x", "own-v/mine"):
+        (store / name).mkdir()
     write_store(store, a="new", c="new")
-    assert names(store) == ["more", "own-a", "own-c", "thesis.txt"]
+    assert names(store) == ["more", "own-a", "own-c", "own-v", "thesis.txt"]
+    assert names(store / "own-v") == ["mine"]  # a folder of its own, but for its own part
     assert (store / "own-a").read_text() == "new" and names(tmp_path) == ["x.zarr"]
 
 
