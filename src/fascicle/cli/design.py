@@ -18,7 +18,16 @@ from . import options
 from .errors import INCOMPLETE, UserError, user_errors
 from .inputs import load_laws
 from .options import Text, argument, flag, option
-from .outputs import SOURCE, check_file, replace_output, result_folder, shown_if_lost, today
+from .outputs import (
+    PICTURES,
+    SOURCE,
+    check_file,
+    print_if_lost,
+    replace_output,
+    result_folder,
+    today,
+    write_picture,
+)
 from .terminal import print_line, print_table, status
 
 
@@ -56,7 +65,7 @@ def design(
     """
     folder = result_folder(out, f"designed-{Path(task).stem}", as_json, overwrite)
     if plot is not None:
-        check_file("--plot", plot, overwrite, (".pdf", ".svg", ".png"))
+        check_file("--plot", plot, overwrite, PICTURES)
     if generations is not None:
         require("pymoo")
     load_laws()
@@ -89,14 +98,12 @@ def design(
 
     names: list[str] = []
     if folder is not None:
-        with shown_if_lost(show), status("drawing the report"):
+        with print_if_lost(show), status("drawing the report"):
             names = _write(answer, file.notes, seconds, folder, overwrite)
     if plot is not None:
         from ..report.design import sheet
 
-        with replace_output("--plot", plot, overwrite) as draft:
-            page = sheet(answer, today(), file.notes)
-            draft.write_bytes(fs.plot.to_bytes(page, draft.suffix.lower()[1:]))
+        write_picture("--plot", plot, overwrite, sheet(answer, today(), file.notes))
     show()
     if folder is not None and not as_json:
         print_line(f"wrote {folder / names[0]} with all details and {len(names) - 1} more files")

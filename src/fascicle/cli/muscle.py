@@ -165,11 +165,8 @@ def _print_measured(as_json: bool) -> None:
     }  # fmt: skip
     rows = []
     for entry in fs.catalog.values():
-        limits, muscle, error = (
-            [ends and ends[1] for ends in entry.range],
-            entry.muscle,
-            entry.error,
-        )
+        limits = [ends and ends[1] for ends in entry.range]
+        muscle, error = entry.muscle, entry.error
         numbers = (muscle.length, muscle.outer_radius, *limits, error.rmse, error.relative_rmse)
         texts = [
             "-" if x is None else number(factor * float(x), decimals)

@@ -48,7 +48,7 @@ def write_text(option: str, path: str | Path, overwrite: bool, text: str) -> Non
 
 
 @contextlib.contextmanager
-def shown_if_lost(show: Callable[[], None]) -> Iterator[None]:
+def print_if_lost(show: Callable[[], None]) -> Iterator[None]:
     """Context that writes a result; `show` prints it if that fails, so that no work is lost."""
     try:
         yield
@@ -122,7 +122,7 @@ class Outputs:
             else:
                 table()
 
-        with shown_if_lost(show), status("writing the result") as update:
+        with print_if_lost(show), status("writing the result") as update:
             if self.out is not None:
                 attributes = {"notes": notes} if notes else {}
                 is_own = labelled.is_zarr if Path(self.out).suffix.lower() == ".zarr" else None

@@ -21,7 +21,7 @@ from . import options
 from .errors import UserError, user_errors
 from .inputs import check_grid, load_laws, read_list, read_muscle
 from .options import Command, Text, Texts, argument, complete_target, flag, option, with_options
-from .outputs import check_file, result_folder, shown_if_lost, today, write_text
+from .outputs import check_file, print_if_lost, result_folder, today, write_text
 from .terminal import print_line, print_table, print_written, status
 
 
@@ -315,7 +315,7 @@ def calibrate(
     show = partial(_show, result, as_json, verbose)
     content: dict[str, bytes] = {}
     if folder is not None:
-        with shown_if_lost(show), status("drawing the report"), user_errors("--out "):
+        with print_if_lost(show), status("drawing the report"), user_errors("--out "):
             content = output_files(result, today(), notebook)
 
             def fill(draft: Path) -> None:

@@ -220,9 +220,8 @@ def _largest_force(
         for block in slices(len(pressure), max(1, _BATCH // largest.size)):
             pulls = _tension_force(law, pressure[block] + zero, strain)
             largest = np.maximum(largest, pulls.max(axis=0))
-    point, index = np.nonzero(
-        full < 0
-    )  # pushes, as it does wherever even the largest force is less
+    # it pushes, as it does wherever even the largest force is less
+    point, index = np.nonzero(full < 0)
     for block in slices(index.size, max(1, _BATCH // len(pressure))):
         i, j = point[block], index[block]
         pressurized = scaled_muscle(drawing, sizes[j]).law.at(pressure[:, 0] + zero[j])

@@ -279,7 +279,7 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
     low_margin = float(alone.quantile(0.05)["relative_margin"][0])
     nearest_share = np.nan if surest is None else float(probability[surest])
     safety = Safety(
-        *(uncertainty, share, low_margin, judged, complete, reported, surest, nearest_share)
+        uncertainty, share, low_margin, judged, complete, reported, surest, nearest_share
     )
     return replace(result, safety=safety)
 

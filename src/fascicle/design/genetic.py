@@ -135,11 +135,8 @@ def evolve(
     problem = Search(decoder.genes, n_obj=len(senses), n_ieq_constr=n_limits, xl=0.0, xu=1.0)
     algorithm = NSGA2(pop_size=population)
     run: Any = minimize
-    end = run(
-        *(problem, algorithm, ("n_gen", generations)),
-        callback=lambda search: watch(search.n_iter),
-        seed=seed,
-    )
+    until = "n_gen", generations
+    end = run(problem, algorithm, until, callback=lambda search: watch(search.n_iter), seed=seed)
     designs = decoder.designs(np.asarray(end.pop.get("X"), float))
     # the end result has the resolution of an exhaustive search
     values = evaluate(designs, task, objectives.recorded_objectives(senses, limits, extra))

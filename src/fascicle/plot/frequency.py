@@ -7,14 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from . import theme
-from .theme import BLACK, CYCLE, DOUBLE, GRAY, styled
+from .theme import BLACK, CYCLE, DOUBLE, GRAY, LINE_STYLES, styled
 
 
 if TYPE_CHECKING:
     from ..dynamics import Plant, State
 
 _SLOWEST, _FASTEST = 0.1, 300.0  # Hz: slower is at rest, faster no valve of a muscle follows
-_STYLES = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2)))
 
 
 @styled
@@ -37,7 +36,8 @@ def bode(plant: "Plant", state: "State", controller: Any = None) -> Figure:
     figure, axes = theme.new_figure(2, count, width, 0.6 * DOUBLE, sharex=True)
     for (gain, phase), (_, unit, rows) in zip(axes.T, panels, strict=False):
         for k, values in enumerate(rows):
-            style: dict[str, Any] = {"color": CYCLE[k % 7], "linestyle": _STYLES[k % 4]}
+            color, line = CYCLE[k % len(CYCLE)], LINE_STYLES[k % len(LINE_STYLES)]
+            style: dict[str, Any] = {"color": color, "linestyle": line}
             _draw(gain, phase, frequency, values, label=f"unit {k + 1}", **style)
         gain.set_ylabel(f"Gain [{unit}]")
     axes[0, 0].legend(loc="lower left")

@@ -31,6 +31,9 @@ CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)  # of curves, in or
 # lengths of dashes and gaps of curves, in order: without color, they can be told apart
 DASHES = ((), (6, 2), (1.5, 1.5), (6, 1.5, 1.5, 1.5), (10, 2), (6, 1.5, 1.5, 1.5, 1.5, 1.5))
 
+# of lines in figures, told apart without color; solid, dashed, dotted and dashed-dotted
+LINE_STYLES = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2)))
+
 SANS = '"DejaVu Sans", Verdana, "Bitstream Vera Sans", sans-serif'
 MONO = '"DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace'
 FIGURES = "DejaVu Sans"  # comes with matplotlib: the same on every machine

@@ -11,15 +11,13 @@ from matplotlib.patches import Patch
 
 from ..units import format_digits
 from . import theme
-from .theme import BLACK, CYCLE, DOUBLE, GRAY, VERMILION, styled
+from .theme import BLACK, CYCLE, DOUBLE, GRAY, LINE_STYLES, VERMILION, styled
 
 
 if TYPE_CHECKING:
     from ..dynamics import Balance, Plant, Trajectory
 
 _OPEN = 1e-3  # of a valve, from which on it counts as open
-# of policies, told apart without color
-_STYLES = ("-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2)))
 _MARKS = "osD^vPX"
 _DASHED, _DOTTED = (0, (4, 2)), (0, (1, 1.5))
 _HATCHES = ("", "////", "....")  # of terms beyond the colors
@@ -187,7 +185,7 @@ def policies(
         front.plot(energies[k], drawdowns[k], mark, color=color, markerfacecolor=face, label=name)
         difference = tracking.output[1:] - tracking.demand
         values = factor * np.where(tracking.reachable, difference, np.nan)
-        error.plot(run.time[1:], values, color=color, linestyle=_STYLES[k % len(_STYLES)])
+        error.plot(run.time[1:], values, color=color, linestyle=LINE_STYLES[k % len(LINE_STYLES)])
     front.set(xlabel="Energy from the supply [J]", ylabel=f"Drawdown [{unit}]")
     front.set_ylim(bottom=min(0.0, *drawdowns))
     front.margins(x=0.1)
