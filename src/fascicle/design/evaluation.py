@@ -26,7 +26,7 @@ from ..muscle.buckling import ROUNDING
 from ..muscle.piecewise import Piecewise
 from .designs import SIZES, Designs, scaled_muscle
 from .objectives import OBJECTIVES, check_objectives
-from .outcome import ForceTable, Outcome, outcome, overlaps, recruitment_states, reversal_depths
+from .outcome import ForceTable, Outcome, outcome, overlaps, recruitment_of, reversal_depths
 from .task import Task
 
 
@@ -120,7 +120,8 @@ def _batches(
 ) -> Iterator[tuple[Int[np.ndarray, " batch"], Outcome]]:
     """Outcomes of designs of one drawing, all or none uniform, with their indices."""
     drawing, units, uniform = designs.drawing(0), designs.counts.shape[1], bool(designs.uniform[0])
-    states = recruitment_states(task.scheme, units)
+    recruitment = recruitment_of(task.scheme, units)
+    states = recruitment.states
     resolution = resolution or (UNIFORM if uniform and states.gapless else MIXED)
     largest_only = states.gapless and (uniform or states.separable)
     points = len(task) * (1 if largest_only else resolution.levels)
@@ -138,7 +139,7 @@ def _batches(
             top, forces = _force_curves(muscle, task.supply_pressure, resolution)
             depth[twins] = reversal_depths(counts, forces, top, states)
             if "curves" in needs:
-                overlap[twins] = overlaps(counts, forces, task.scheme)
+                overlap[twins] = overlaps(counts, forces, recruitment)
         overlap *= force_factor
     # neighbors share muscles, whose forces are computed once in a batch
     order = np.argsort(muscle_of[:, 0], kind="stable")
@@ -148,7 +149,8 @@ def _batches(
         table = force_table(drawing, muscles[used], task, needs, resolution, largest_only)
         table = table.take(index.reshape(-1, columns).T, force_factor[batch])
         curves = (x if x is None else x[batch] for x in (depth, overlap))
-        yield batch, outcome(designs.counts[batch].T, table, designs.length[batch], task, *curves)
+        task_of_batch = designs.counts[batch].T, table, designs.length[batch], task, recruitment
+        yield batch, outcome(*task_of_batch, *curves)
 
 
 def _force_curves(

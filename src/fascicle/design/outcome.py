@@ -29,7 +29,6 @@ with $a$ muscles at full supply, $n$ throttled and $r$ vented makes the depth on
 alone, which many designs share.
 """
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -106,28 +105,30 @@ class Outcome(NamedTuple):
         return np.where(self.force > 0, self.force, self.force.max())
 
 
-@cache
-def recruitment_states(scheme: AbstractScheme, units: int) -> States:
-    """Recruitment states of so many `units`; of independent ones the sets that can be pressurized,
+class Recruitment(NamedTuple):
+    """Recruitment `states` of designs, and `numbers` of them that 0, 1, … motor units have."""
+
+    states: States
+    numbers: Int[np.ndarray, " unit"]
+
+    def existing(self, counts: Counts) -> Bool[np.ndarray, "state design"]:
+        """Mask of the states that each design has: fewer units have fewer states."""
+        return np.arange(self.states.size)[:, None] < self.numbers[np.sum(counts > 0, axis=0)]
+
+
+def recruitment_of(scheme: AbstractScheme, units: int) -> Recruitment:
+    """Recruitment of so many `units`; of independent ones by the sets that can be pressurized,
     `ValueError` for too many.
     """
-    return states_of(scheme, units).sets(max_sets=MAX_FED_SETS)[0]
 
+    def states(units: int) -> States:
+        return states_of(scheme, units).sets(max_sets=MAX_FED_SETS)[0]
 
-@cache
-def _state_numbers(scheme: AbstractScheme, units: int) -> Int[np.ndarray, " unit"]:
-    """Number of recruitment states of a design with 0, 1, … of so many `units`."""
-    states = recruitment_states(scheme, units)
+    every = states(units)
     if scheme.independent or not is_prefix_consistent(scheme, units):
         # sets with a unit that doesn't exist repeat those without it
-        return np.full(units + 1, states.size)
-    return np.array([0, *(recruitment_states(scheme, n).size for n in range(1, units + 1))])
-
-
-def existing_states(scheme: AbstractScheme, counts: Counts) -> Bool[np.ndarray, "state design"]:
-    """Mask of the recruitment states that each design has: fewer units have fewer states."""
-    numbers = _state_numbers(scheme, len(counts))
-    return np.arange(numbers[-1])[:, None] < numbers[np.sum(counts > 0, axis=0)]
+        return Recruitment(every, np.full(units + 1, every.size))
+    return Recruitment(every, np.array([0, *(states(n).size for n in range(1, units + 1))]))
 
 
 def outcome(
@@ -135,6 +136,7 @@ def outcome(
     table: ForceTable,
     length: PerDesign,
     task: Task,
+    recruitment: Recruitment,
     depth: PerDesign | None = None,
     overlap: PerDesign | None = None,
 ) -> Outcome:
@@ -142,11 +144,10 @@ def outcome(
     give the demanded force, which is the lowest if states are nested.
 
     `counts`: muscles in each unit; `table`: of a muscle of each unit, or of one for all units;
-    `length`: of the bundles at rest [m]; `depth` of reversal [-] and `overlap` of states [N], if
-    computed.
+    `length`: of the bundles at rest [m]; `recruitment` of the task's scheme; `depth` of reversal
+    [-] and `overlap` of states [N], if computed.
     """
-    states, existing = recruitment_states(task.scheme, len(counts)), counts > 0
-    has_state = existing_states(task.scheme, counts)
+    states, existing, has_state = recruitment.states, counts > 0, recruitment.existing(counts)
     vented, full, levels, volume = (
         np.moveaxis(counts * x, -2, -1)
         for x in (table.vented, table.full, table.levels, table.volume)
@@ -248,11 +249,11 @@ def reversal_depths(counts: Counts, curves: Curves, top: float, states: States) 
     return falls[index.reshape(n.shape)].max(axis=0)
 
 
-def overlaps(counts: Counts, curves: Curves, scheme: AbstractScheme) -> PerDesign:
+def overlaps(counts: Counts, curves: Curves, recruitment: Recruitment) -> PerDesign:
     """Overlap of the force ranges of two successive states [N]: the largest over all strains and
     pairs of states, forces below zero left out; else as `reversal_depths`.
     """
-    states, has_state = recruitment_states(scheme, len(counts)), existing_states(scheme, counts)
+    states, has_state = recruitment.states, recruitment.existing(counts)
     # of one muscle the least and the largest force are enough
     levels = curves
     if curves.shape[-1] == 1:
