@@ -110,13 +110,16 @@ class Outputs:
         *,
         title: str,
         notes: str = "",
+        findings: Sequence[Mapping[str, Any]] | None = None,
     ) -> None:
-        """Write the files, then print; `table` prints for a reader, `figure` returns --plot's."""
+        """Write the files, then print; `table` prints for a reader, `figure` returns --plot's;
+        `findings` are printed with JSON.
+        """
         from ..results import labelled
 
         def show() -> None:
             if self.as_json:
-                print(labelled.to_json(variables))
+                print(labelled.to_json(variables, findings))
             elif self.as_csv:
                 sys.stdout.write(labelled.to_csv(variables))
             else:

@@ -1,7 +1,8 @@
 """`fascicle simulate`: a bundle driven in time, its energy balance, and policies compared."""
 
 import sys
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import fascicle as fs
 
@@ -12,6 +13,9 @@ from .options import Text, argument, flag, option, with_options
 from .outputs import PICTURES, Outputs, check_file, today, write_picture, write_text
 from .terminal import print_line, print_table, print_text, status
 
+
+if TYPE_CHECKING:
+    from ..core.findings import Finding
 
 _UNTRUSTED = 1  # exit code
 
@@ -59,6 +63,7 @@ def _simulate(
 ) -> int:
     """Run a scenario once, print and write the results; returns the exit code."""
     from ..report import simulation as pages
+    from ..report import words
 
     steps = f"{study.duration:g} s in {round(study.duration / study.dt)} steps"
     with status(f"simulating {steps}"), user_errors():
@@ -73,15 +78,17 @@ def _simulate(
 
         return traces(study.plant, result, pages.run_demand(study, result))
 
-    notes = pages.scenario_notes(study)
+    findings = pages.run_findings(study, audit)
+    notes = words.notes(findings)
     if doubts:
-        notes = [*notes, f"can't be trusted: {'; '.join(doubts)}"]
+        notes.append(f"can't be trusted: {'; '.join(map(words.words, doubts))}.")
     outputs.write(
         fs.tables.simulated(study.plant, result, audit, *controlled),
         lambda: _print(study, result, audit),
         figure,
         title=f"Simulation of {study.name}",
         notes=" ".join(notes),
+        findings=[finding.to_json() for finding in findings],
     )
     if report is not None:
         _write_report(report, outputs, pages.report(study, result, audit, today()))
@@ -138,7 +145,14 @@ def _compare_policies(study: "files.Scenario", outputs: Outputs, report: str | N
         )
 
     title = f"Policies of {study.name}"
-    outputs.write(table, print_policies, figure, title=title, notes=" ".join(notes))
+    findings = [
+        {"policy": name, **finding.to_json()}
+        for name, run in runs.items()
+        for finding in run.doubts
+    ]
+    outputs.write(
+        table, print_policies, figure, title=title, notes=" ".join(notes), findings=findings
+    )
     if report is not None:
         _write_report(report, outputs, pages.policy_report(study, runs, front, figure(), today()))
     return _print_doubts({f"{study.name}, {name}": run.doubts for name, run in runs.items()})
@@ -150,12 +164,15 @@ def _write_report(path: str, outputs: Outputs, page: str) -> None:
         print_line(f"wrote {path}")
 
 
-def _print_doubts(doubts: dict[str, list[str]]) -> int:
+def _print_doubts(doubts: "dict[str, Sequence[Finding]]") -> int:
     """Print reasons not to trust runs; returns the exit code."""
+    from ..report.words import words
+
     sys.stdout.flush()  # keeps the order if both streams go to one file
-    for run, reasons in doubts.items():
-        if reasons:
-            print_line(f"{run} can't be trusted: {'; '.join(reasons)}", error=True)
+    for run, findings in doubts.items():
+        if findings:
+            reasons = "; ".join(map(words, findings))
+            print_line(f"{run} can't be trusted: {reasons}", error=True)
     return _UNTRUSTED if any(doubts.values()) else 0
 
 
@@ -165,6 +182,7 @@ def _print(
     audit: "fs.dynamics.Audit",
 ) -> None:
     from ..report import simulation as pages
+    from ..report import words
 
     plant, control = study.plant, study.control
     balances = audit.balances
@@ -180,10 +198,8 @@ def _print(
         rows = pages.metrics_rows(plant, quantity, metrics)
         if message := pages.unreachable_message(plant, quantity, metrics):
             print_text(f"note: {message}")
-    for note in pages.scenario_notes(study):
+    for note in words.notes(pages.run_findings(study, audit)):
         print_text(f"note: {note}")
-    for event in audit.events:
-        print_text(f"{event.name} from {event.first:.4g} s to {event.last:.4g} s: {event.message}")
     print_table("Positions of the load", *pages.position_table(plant, result))
     if rows:
         print_table("Quality of control", ["metric", "value"], rows)

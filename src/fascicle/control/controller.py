@@ -45,6 +45,7 @@ from jax import lax
 
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding, Severity
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_choice, check_interval, check_nonnegative, check_positive
@@ -151,19 +152,23 @@ class Cascade(Module):
         return float(self.delay) + float(self.dt) * self.every
 
     @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings of gains that are likely to be unstable, one sentence each."""
-        pressure_time, dead_time = float(self.gains.pressure_time), self.plant.spool.dead_time
+    def findings(self) -> tuple[Finding, ...]:
+        """Gains that are likely to be unstable: "control.pressure_time_short" or, of valves whose
+        dead time exceeds the declared `delay`, "control.dead_time_undeclared".
+        """
+        pressure_time, dead_time = (
+            float(self.gains.pressure_time),
+            float(self.plant.spool.dead_time),
+        )
         undeclared = max(dead_time - float(self.delay), 0.0)
         late = self.lateness + undeclared
-        remedy = f"take {DAMPED * late:g} s, or leave it out"
+        if pressure_time >= late:
+            return ()
+        data = {"pressure_time": pressure_time, "lateness": late, "stable": DAMPED * late}
         if undeclared:
-            remedy = f"declare the valves' dead time: `delay` of {dead_time:g} s"
-        text = (
-            f"`pressure_time` of {pressure_time:g} s is too fast: valves, measurements and samples"
-        )
-        text += f" are {late:g} s late, and pressures will swing; {remedy}"
-        return () if pressure_time >= late else (text,)
+            data |= {"dead_time": dead_time}
+            return (Finding("control.dead_time_undeclared", Severity.WARNING, data),)
+        return (Finding("control.pressure_time_short", Severity.WARNING, data),)
 
     @property
     def memory(self) -> CascadeMemory:
@@ -385,6 +390,8 @@ def cascade(
     highest, opening, tension, dead_time = map(np.float64, (highest, opening, tension, dead_time))
     parts = plant, units, policies, gains, highest, opening, friction, tension, dead_time
     controller = Cascade(*parts, np.float64(step), of, every)
-    for warning in () if derived else controller.warnings:
-        warnings.warn(f"{warning}.", stacklevel=2)
+    if controller.findings and not derived:
+        late = f"{controller.findings[0].data['lateness']:g} s"
+        text = f"pressure_time must be at least {late}, as late as valves and samples are: it is"
+        warnings.warn(f"{text} {pressure_time:g} s.", stacklevel=2)
     return controller

@@ -26,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding, Severity
 from ..core.types import Numbers
 from ..fluid import AdiabaticWall
 from ..muscle.hysteresis import MaxwellSlip
@@ -40,17 +41,6 @@ from .simulate import Trajectory
 # that begin to slip, a stop), and where terms are counted: rounding
 SMOOTH, TABULATED, KINKED, COUNTED = 1e-6, 1e-5, 1e-4, 1e-12
 
-_MESSAGES = {  # of events, by their names in `STATUS`
-    "folded": "a muscle's volume fell with pressure by more than its fluid and hose expand:"
-    " its pressure isn't unique; give the chamber more dead volume or compliance",
-    "cavitates": "a unit was sucked empty: its fluid can't follow",
-    "off_table": "a strain or pressure left the muscles' tables; forces go on linearly there",
-    "unsettled": "a pressure wasn't found to rounding in two steps; take a smaller `dt`",
-    "supply_empty": "the supply has nothing left to give",
-    "stop": "the load touched its stop",
-    "stiff": "it would have needed more than 64 substeps; take a smaller `dt`",
-    "broken": "numbers are not finite; take a smaller `dt`",
-}
 _HARMLESS = ("supply_empty", "stop")  # events that are no reason to doubt the run
 _MADE = "made by the volume"  # name of a term, as JSON has it
 
@@ -59,8 +49,9 @@ class Balance(NamedTuple):
     """Balance of energy or mass over a run.
 
     Its `inputs` and `outputs` by name, and the `residual`, inputs less outputs, in its `unit`; the
-    `relative_residual`, over the largest term, and the `tolerance` at which it closes [-]; a
-    `remedy` if it doesn't close for a known reason.
+    `relative_residual`, over the largest term, and the `tolerance` at which it closes [-];
+    `mismatch`: the part of the residual that a volume makes that isn't the conjugate one, in
+    `unit`; 0 within the tolerance.
     """
 
     name: str
@@ -70,7 +61,7 @@ class Balance(NamedTuple):
     residual: float
     relative_residual: float
     tolerance: float
-    remedy: str = ""
+    mismatch: float = 0.0
 
     @property
     def closes(self) -> bool:
@@ -79,15 +70,14 @@ class Balance(NamedTuple):
 
 
 class Event(NamedTuple):
-    """Event of a run: its `name`, `first` and `last` time [s], number of `samples` [-], `message`,
-    and true if the run can be `trusted` all the same.
+    """Event of a run: its `name`, one of `STATUS`, `first` and `last` time [s], number of `samples`
+    [-], and true if the run can be `trusted` all the same.
     """
 
     name: str
     first: float
     last: float
     samples: int
-    message: str
     trusted: bool
 
 
@@ -103,28 +93,39 @@ class Audit(NamedTuple):
         return not self.doubts
 
     @property
-    def doubts(self) -> list[str]:
-        """Reasons to doubt the run."""
-        doubts = [
-            f"the {x.name} doesn't close: its residual is {x.relative_residual:.1e} of its largest"
-            f" term, more than {x.tolerance:g}" + (f": {x.remedy}" if x.remedy else "")
-            for x in self.balances
-            if not x.closes
-        ]
-        doubtful = [event for event in self.events if not event.trusted]
-        return doubts + [f"{x.name} from {x.first:g} s, {x.message}" for x in doubtful]
+    def doubts(self) -> list[Finding]:
+        """Reasons to doubt the run: its findings that are errors."""
+        return [finding for finding in self.findings if finding.severity is Severity.ERROR]
+
+    @property
+    def findings(self) -> list[Finding]:
+        """Balances that don't close, volumes that aren't conjugate, and events.
+
+        Codes: "run.unbalanced", "run.volume_not_conjugate", and "run." with an event's name.
+        """
+        findings = []
+        for x in self.balances:
+            if not x.closes:
+                data = {"residual": x.relative_residual, "tolerance": x.tolerance}
+                code = "run.unbalanced"
+                findings.append(Finding(code, Severity.ERROR, {"balance": x.name, **data}))
+            if x.mismatch:
+                data = {"balance": x.name, "energy": x.mismatch}
+                findings.append(Finding("run.volume_not_conjugate", Severity.ERROR, data))
+        for event in self.events:
+            severity = Severity.NOTE if event.trusted else Severity.ERROR
+            data = {"first": event.first, "last": event.last, "samples": event.samples}
+            findings.append(Finding(f"run.{event.name}", severity, data))
+        return findings
 
     def __str__(self) -> str:
+        """Table of the balances' terms, and of the events."""
         lines = []
-        for balance in self.balances:
-            verdict = "closes" if balance.closes else "DOES NOT CLOSE"
-            residual = f"residual {balance.relative_residual:.1e} of its largest term"
-            lines += [f"{balance.name}: {verdict}, {residual}"]
-            lines += [f"  {balance.remedy}"] if balance.remedy else []
-            for side, terms in (("in", balance.inputs), ("out", balance.outputs)):
-                rows = [f"  {side:>3} {name:<28} {x:>14.6g}" for name, x in terms.items()]
-                lines += [f"{row} {balance.unit}" for row in rows]
-        lines += [f"{x.name} from {x.first:.4g} s: {x.message}" for x in self.events]
+        for x in self.balances:
+            lines.append(f"{x.name}: {x.relative_residual:.1e} of at most {x.tolerance:.0e}")
+            for side, terms in (("in", x.inputs), ("out", x.outputs)):
+                lines += [f"  {side:>3} {key:<28} {y:>14.6g} {x.unit}" for key, y in terms.items()]
+        lines += [f"{x.name}: {x.first:.4g} to {x.last:.4g} s" for x in self.events]
         return "\n".join(lines)
 
 
@@ -186,7 +187,7 @@ def events(run: Trajectory) -> tuple[Event, ...]:
         times = time[np.flatnonzero(status & (1 << bit))].tolist()
         if times:
             span = times[0], times[-1], len(times)
-            result.append(Event(name, *span, _MESSAGES[name], name in _HARMLESS))
+            result.append(Event(name, *span, name in _HARMLESS))
     return tuple(sorted(result, key=lambda event: event.first))
 
 
@@ -207,11 +208,9 @@ def _balance(
     ends_in, ends_out = (
         {key: float(row[-1] - row[0]) for key, row in side.items()} for side in (inputs, outputs)
     )
-    residual, remedy = sum(ends_in.values()) - sum(ends_out.values()), ""
+    residual, made = sum(ends_in.values()) - sum(ends_out.values()), 0.0
     if mismatch is not None:
         ends_out[_MADE] = made = float(mismatch[-1] - mismatch[0])
-        if abs(made) > tolerance * size:
-            advice = "the straight braid's doesn't go with the force, take volume = \"conjugate\""
-            remedy = f"{made:.3g} J of it are {_MADE}: {advice}"
+        made = made if abs(made) > tolerance * size else 0.0
     relative = float(abs(residual) / size) if size > 0 else 0.0
-    return Balance(name, unit, ends_in, ends_out, residual, relative, tolerance, remedy)
+    return Balance(name, unit, ends_in, ends_out, residual, relative, tolerance, made)

@@ -101,6 +101,8 @@ def run_policies(text: str, name: str, policies: Sequence[str]) -> SimulationRes
     from ..control import pareto_front
     from ..dynamics import audit
     from ..report import simulation as reports
+    from ..report.words import notes as findings_notes
+    from ..report.words import words
     from ..results.tables import simulated
 
     study, notes = _read_limited_scenario(text, name)
@@ -123,8 +125,9 @@ def run_policies(text: str, name: str, policies: Sequence[str]) -> SimulationRes
         arms = np.asarray(variant.plant.lengths * variant.plant.gains)
         pull = np.sum(arms * np.asarray(run.outputs.forces), axis=-1)
         drawing = bundle_drawing(variant.plant, run.outputs, rows, demand)
-        results.append(PolicyResult(label, table, pull, rows, drawing, audited.doubts))
-        notes += reports.scenario_notes(variant)
+        doubts = [words(finding) for finding in audited.doubts]
+        results.append(PolicyResult(label, table, pull, rows, drawing, doubts))
+        notes += findings_notes(variant.findings)
     quantity, heads, table_rows = "", [], []
     if study.control is not None:
         quantity, metrics = study.control.controller.of, [run.metrics for run in runs.values()]

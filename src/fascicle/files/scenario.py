@@ -4,6 +4,7 @@ A part's table holds the arguments of its class, which its `kind` chooses; the u
 that of the class's field.
 """
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -19,7 +20,7 @@ from .. import dynamics, fluid
 from ..bundle import Bundle
 from ..bundle.bundle import as_bundle
 from ..core.errors import InvalidInputError
-from ..core.findings import Finding
+from ..core.findings import Finding, Severity
 from ..core.validation import check_choice, distinct_texts
 from ..dynamics import Plant, Schedule, State, Trajectory
 from ..fluid.flow_elements import REFERENCE_DENSITY
@@ -281,9 +282,9 @@ class ScenarioControl(NamedTuple):
     no_crossing: Finding | None = None
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """The controller's warnings, as sentences."""
-        return tuple(f"{warning}." for warning in self.controller.warnings)
+    def findings(self) -> tuple[Finding, ...]:
+        """Findings on the crossing and the controller's gains."""
+        return (*filter(None, [self.no_crossing]), *self.controller.findings)
 
 
 def _controlled(
@@ -308,7 +309,7 @@ class Scenario:
     - `start`: initial state [SI].
     - `dt`, `duration`: step and length of the run [s].
     - `source`: of the file's numbers.
-    - `notes`: on settings that the run can't follow exactly.
+    - `findings`: settings that the run can't follow exactly.
     """
 
     name: str
@@ -318,7 +319,7 @@ class Scenario:
     dt: float
     duration: float
     source: str = ""
-    notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     control: ScenarioControl | None = None
 
     def with_policy(self, policy: str | None = None, compensate: bool | None = None) -> "Scenario":
@@ -338,7 +339,7 @@ class Scenario:
             options = {**options, "compensate": compensate}
         policy = policy or own_policy
         control = _controlled(controller.plant, controller.of, reference, policy, options)
-        return replace(self, control=control, notes=control.notes)
+        return replace(self, control=control, findings=control.findings)
 
     def run(self) -> Trajectory:
         """Simulate the scenario."""
@@ -410,9 +411,9 @@ def scenario_from_dict(
         if model is not None:
             model_plant = make_plant(_model_bundles(model, bundles, root, folder))
         control = _control(file, model_plant, dt, duration, root)
-        notes = control.notes
+        findings = control.findings
     else:
-        schedule, notes = _schedule(file.schedule, plant, dt, duration, root)
+        schedule, findings = _schedule(file.schedule, plant, dt, duration, root)
     if plant.load.prescribed and run.position is not None:
         raise root.error(("run", "position"), "the load's motion is given: drop this key.")
     # a prescribed motion itself may leave the stroke
@@ -421,7 +422,7 @@ def scenario_from_dict(
         pressures = _first_pressures(plant, control) if run.pressures is None else run.pressures
         start = dynamics.equilibrium_state(plant, pressures, run.position)
     name, source = file.name or name, file.source or ""
-    return Scenario(name, plant, schedule, start, dt, duration, source, notes, control)
+    return Scenario(name, plant, schedule, start, dt, duration, source, findings, control)
 
 
 def _first_pressures(plant: Plant, control: ScenarioControl | None) -> Any:
@@ -614,9 +615,9 @@ def _times(run: Any, units: int, location: FileLocation) -> tuple[float, float]:
 
 def _schedule(
     rows: list[Any], plant: Plant, dt: float, duration: float, root: FileLocation
-) -> tuple[Schedule, tuple[str, ...]]:
-    """Commands in time, and notes on those that the run can't follow exactly."""
-    times, commands, notes = _rising_times(rows, "schedule", root), [], []
+) -> tuple[Schedule, tuple[Finding, ...]]:
+    """Commands in time, and findings on those that the run can't follow exactly."""
+    times, commands, findings = _rising_times(rows, "schedule", root), [], []
     for index, row in enumerate(rows):
         location, count, size = root.child("schedule", index), plant.units, np.size(row.command)
         if size != count and (np.ndim(row.command) or size != 1):
@@ -624,13 +625,17 @@ def _schedule(
             raise location.error(("command",), f"{rule}, got {size}.")
         with location.error_context():
             commands.append(np.broadcast_to(fluid.validate_commands(row.command), (count,)))
-        command = f"the command at {row.time:g} s"
         if row.time >= duration:
-            notes.append(f"{command} never comes: the run ends at {duration:g} s.")
+            code, data = "command_after_end", {"time": row.time, "end": duration}
         elif abs(row.time / dt - round(row.time / dt)) > _ROUNDING:
-            step = dt * np.ceil(row.time / dt)
-            notes.append(f"{command} comes with the next step, at {step:g} s.")
-    return Schedule(times, np.array(commands)), tuple(notes)
+            code, data = (
+                "command_delayed",
+                {"time": row.time, "step": dt * math.ceil(row.time / dt)},
+            )
+        else:
+            continue
+        findings.append(Finding(f"scenario.{code}", Severity.WARNING, data))
+    return Schedule(times, np.array(commands)), tuple(findings)
 
 
 def _rising_times(rows: list[Any], key: str, root: FileLocation) -> np.ndarray:

@@ -3,7 +3,6 @@ search and the model selection.
 """
 
 import math
-import string
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -18,7 +17,8 @@ from ..calibrate.least_squares import STATUS, SearchEnds
 from ..calibrate.model_selection import Candidate, Selection
 from ..calibrate.parameters import FACTOR_NAMES, parameter_descriptions
 from ..core.findings import Finding
-from ..units import DIMENSIONS, pretty
+from ..units import pretty
+from .words import Formatter, list_text
 
 
 _ACTIONS = 2  # in a verdict: more are not done
@@ -112,25 +112,12 @@ class Words(NamedTuple):
         return f"{self.text} What to do: {self.action}." if self.action else self.text
 
 
-class _Formatter(string.Formatter):
-    """Formats `{value:force}` in units, `{names:list}` and `{share:percent}`."""
-
-    def format_field(self, value: Any, format_spec: str) -> str:
-        if format_spec in DIMENSIONS:
-            return pretty(value, format_spec, 3)
-        if format_spec == "list":
-            return list_text(value)
-        if format_spec == "percent":
-            return f"{100 * value:.2g} %"
-        return str(super().format_field(value, format_spec))
-
-
 def words_of(finding: Finding) -> Words:
     """Words of a `finding` of a calibration."""
     kind, _, name = finding.code.partition(".")
     rank, text, action = _CATALOGUE.get(finding.code) or _CATALOGUE[kind]
     data = {**finding.data, "name": name} if kind == "gauge" else finding.data
-    render = _Formatter().vformat
+    render = Formatter().vformat
     texts = [part(data) if callable(part) else render(part, (), data) for part in (text, action)]
     return Words(_TOPICS[kind], rank, *texts)
 
@@ -443,11 +430,6 @@ def _error(candidate: Candidate) -> str:
 def range_text(values: np.ndarray) -> str:
     """Range of `values` with two digits."""
     return " to ".join(dict.fromkeys(f"{float(end):.2g}" for end in (values.min(), values.max())))
-
-
-def list_text(names: Sequence[str]) -> str:
-    """Names in a sentence: a, b and c."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def gauge_error_texts(calibration: Calibration) -> list[str]:

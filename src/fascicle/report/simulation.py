@@ -7,9 +7,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..control import control_metrics, controlled_output, reachability
+from ..core.findings import Finding
 from ..plot.trajectory import Tracking, display_unit, energy_balances, traces
 from ..units import format_digits, pretty
 from .page import lines, mark, picture, render
+from .words import notes, words
 
 
 if TYPE_CHECKING:
@@ -21,18 +23,6 @@ if TYPE_CHECKING:
 _FORCE = {"m": "N", "rad": "N·m"}
 _REFERENCE = "threshold"  # the policy that energies are compared with
 _ROUNDING = 1e-14  # of a balance's largest term: smaller ones are rounded zeros
-# why no hand-over without a dip exists, by the codes of `control.Crossing`
-_NO_CROSSING = {
-    "crossing.not_needed": "the units before unit {unit} can hold all of the path, at least"
-    " {reserve:.4g} N are left",
-    "crossing.too_late": "the units before unit {unit} can't hold the path's beginning:"
-    " {shortfall:.4g} N are missing",
-    "crossing.no_gain": "unit {unit} gains nothing at these strains up to the supply's pressure",
-    "crossing.dip_too_deep": "the units before unit {unit} can spare {reserve:.4g} N at most where"
-    " the dip is {dip:.4g} N deep",
-    "crossing.valves_too_slow": "the valves are too slow: the units before unit {unit} can spare"
-    " the dip's {dip:.4g} N only while the demand is lower than when the hand-over would be over",
-}
 
 
 class PolicyRun(NamedTuple):
@@ -44,10 +34,10 @@ class PolicyRun(NamedTuple):
     run: "Trajectory"
     metrics: "ControlMetrics"
     tracking: Tracking
-    doubts: list[str]
+    doubts: Sequence[Finding]
 
 
-def policy_run(scenario: "Scenario", run: "Trajectory", doubts: list[str]) -> PolicyRun:
+def policy_run(scenario: "Scenario", run: "Trajectory", doubts: Sequence[Finding]) -> PolicyRun:
     """A `run` of a `scenario` that has a policy, with its metrics."""
     control, tracking = scenario.control, run_demand(scenario, run)
     assert control is not None
@@ -81,11 +71,10 @@ def report(scenario: "Scenario", run: "Trajectory", audit: "Audit", date: str) -
         title=f"Simulation: {scenario.name.replace('_', ' ')}",
         date=date,
         scenario=scenario,
-        notes=scenario_notes(scenario),
         run=run,
-        doubts=audit.doubts,
+        doubts=[words(finding) for finding in audit.doubts],
+        notes=notes(run_findings(scenario, audit)),
         control=control,
-        events=audit.events,
         audit=audit,
         worst=max(balances, key=lambda entry: entry.relative_residual),
         units=" and ".join(" + ".join(bundle) for bundle in counts),
@@ -99,14 +88,9 @@ def report(scenario: "Scenario", run: "Trajectory", audit: "Audit", date: str) -
     )
 
 
-def scenario_notes(scenario: "Scenario") -> list[str]:
-    """Notes on a scenario's settings, a sentence each."""
-    if scenario.control is None or scenario.control.no_crossing is None:
-        return [*scenario.notes]
-    obstacle = scenario.control.no_crossing
-    reason = _NO_CROSSING[obstacle.code].format_map(obstacle.data)
-    text = f"no crossing without a dip exists, hand_over acts as threshold: {reason}."
-    return [text, *scenario.notes]
+def run_findings(scenario: "Scenario", audit: "Audit") -> list[Finding]:
+    """Findings of a run: on the scenario's settings, and of the `audit`."""
+    return [*scenario.findings, *audit.findings]
 
 
 def run_metrics(controlled: "ScenarioControl", run: "Trajectory") -> "ControlMetrics":

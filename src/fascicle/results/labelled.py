@@ -6,7 +6,7 @@ import importlib.util
 import io
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -53,9 +53,13 @@ def dataset(variables: Mapping[str, Variable], **attributes: str) -> "xarray.Dat
     return xarray.Dataset(data, coordinates, attributes)
 
 
-def to_json(variables: Mapping[str, Variable]) -> str:
-    """JSON object of nested lists by variable; numbers that aren't finite are null."""
-    lists = {}
+def to_json(
+    variables: Mapping[str, Variable], findings: Sequence[Mapping[str, Any]] | None = None
+) -> str:
+    """JSON object of nested lists by variable, and of `findings`; numbers that aren't finite are
+    null.
+    """
+    lists: dict[str, Any] = {} if findings is None else {"findings": findings}
     for name, variable in variables.items():
         values = np.asarray(variable.values)
         if values.dtype.kind == "f":

@@ -33,7 +33,7 @@ def test_a_dead_time_shifts_commands(bundle, air):
 def test_pulses_hold_the_demanded_force_and_close_the_balances():
     scenario = fs.example("ramp_pulses")
     run = scenario.run()
-    assert dynamics.audit(scenario.plant, run).closes and not scenario.notes
+    assert dynamics.audit(scenario.plant, run).closes and not scenario.findings
     force = np.sum(run.outputs.forces, axis=1)[1:]
     miss = np.abs(force - scenario.control.reference)
     assert np.median(miss) < 1.0  # N, of 80: the ripple of pulses
@@ -49,6 +49,6 @@ def test_an_undeclared_dead_time_is_named():
     parts = ("load", "supply", "chamber", "valve")
     late = dynamics.Plant(plant.bundles[0], **{x: getattr(plant, x) for x in parts}, spool=spool)
     options = {"policy": "threshold", "of": "force"}
-    assert not cascade(late, **options, delay=0.015).warnings
-    (warning,) = cascade(late, **options).warnings
-    assert "`delay` of 0.015 s" in warning
+    assert not cascade(late, **options, delay=0.015).findings
+    (finding,) = cascade(late, **options).findings
+    assert finding.code == "control.dead_time_undeclared" and finding.data["dead_time"] == 0.015

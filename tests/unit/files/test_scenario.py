@@ -38,7 +38,7 @@ def test_every_value_reaches_its_part():
     assert_allclose(plant.chamber.conductance, 0.2)
     assert_allclose(plant.supply.pressure, 413.7e3)
     assert plant.valve == fluid.SonicValve(1e-9, 0.3) and plant.exhaust_valve == plant.valve
-    assert (read.dt, read.duration, read.notes) == (1e-3, 6.0, ())
+    assert (read.dt, read.duration, read.findings) == (1e-3, 6.0, ())
     assert read.schedule.times.tolist() == [0, 1, 2, 4, 5]
     assert read.schedule.commands.tolist() == [[1, 0], [0, 0], [0, 1], [0, -1], [-1, 0]]
     # at rest without pressure
@@ -112,7 +112,7 @@ def test_bundle_is_inline_or_a_file(tmp_path):
 
 def test_inexact_commands_have_notes():
     for time in ("7 s", "5.0005 s"):  # after the end, and between steps
-        assert len(loads_scenario(edited(GAS, ('time = "5 s"', f'time = "{time}"'))).notes) == 1
+        assert len(loads_scenario(edited(GAS, ('time = "5 s"', f'time = "{time}"'))).findings) == 1
 
 
 MOVED = """[load]
