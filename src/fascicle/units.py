@@ -62,8 +62,8 @@ _FACTORS: dict[str, Any] = {  # SI units in a unit
     "mm^3": "1e-9", "cm^3": "1e-6", "L": "1e-3", "g": "1e-3", "g/m": "1e-3", "mm^2": "1e-6",
     "cm^2": "1e-4", "kHz": 1000, "rpm": Fraction(1, 60), "mm/s": "1e-3", "kg*cm^2": "1e-4",
     "N/kPa": "1e-3", "mW/K": "1e-3", "L/(s*bar)": "1e-8", "L/min": Fraction(1, 60_000),
-    "mL/min": Fraction(1, 60_000_000), "mm^3/kPa": "1e-12", "mm/kN": "1e-6", "mPa*s": "1e-3",
-    "%": "1e-2",
+    "N*s/(m*kPa)": "1e-3", "mL/min": Fraction(1, 60_000_000), "mm^3/kPa": "1e-12",
+    "mm/kN": "1e-6", "mPa*s": "1e-3", "%": "1e-2",
 }  # fmt: skip
 
 
@@ -109,6 +109,8 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType({
     "angular_stiffness": _dimension("a stiffness of a turn", "20 N*m/rad", "N*m/rad"),
     "inertia_moment": _dimension("a moment of inertia", "0.01 kg*m^2", "kg*m^2", "kg*cm^2"),
     "slip": _dimension("a force per pressure", "0.02 N/kPa", "N/kPa N/Pa"),
+    "damping_slope": _dimension("a damping per pressure", "0.1 N*s/(m*kPa)",
+                                "N*s/(m*kPa) N*s/(m*Pa)"),
     "wall_conductance": _dimension("a conductance of heat", "0.2 W/K", "W/K", "mW/K"),
     "sonic_conductance": _dimension("a sonic conductance", "0.1 L/(s*bar)",
                                     "L/(s*bar) m^3/(s*Pa)"),

@@ -8,6 +8,7 @@ import numpy as np
 from ..muscle import Muscle
 from ..records.hysteresis import Averaged, Loop, averaged, loop_of
 from ..records.record import Record
+from .damping import FittedDamping, fit_damping
 from .data import FitData, Grid
 from .friction import Friction, fit_friction
 from .gauges import Gauge, default_deviations
@@ -357,9 +358,18 @@ class Calibration:
         return rms(readings.force - force)
 
     @cached_property
+    def damping(self) -> FittedDamping:
+        """Friction by speed; it is no part of the fitted muscle."""
+        return fit_damping(self.record, self.errors, self.length)
+
+    @cached_property
     def friction(self) -> Friction | None:
-        """Sliding springs fitted to the loops; they are no part of the fitted muscle."""
-        return fit_friction(self.record, self.length)
+        """Sliding springs fitted to the loops without `damping`; no part of the fitted muscle."""
+        record, damping = self.record, self.damping
+        if damping.law is not None:
+            drag = np.asarray(damping.law.force(damping.velocity, record.pressure))
+            record = replace(record, force=record.force + drag)
+        return fit_friction(record, self.length)
 
     def draws(self, count: int, seed: int = 0) -> np.ndarray:
         """Coordinates [-] of a `count` of draws from the fit's normal approximation, in rows;

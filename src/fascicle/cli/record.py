@@ -402,6 +402,8 @@ def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
     if doubts := [*gauges, *fit.record.doubts]:
         more = f"; {len(doubts) - _DOUBTS} more in the report" if len(doubts) > _DOUBTS else ""
         last.insert(0, f"Check: {'; '.join(doubts[:_DOUBTS])}{more}.")
+    if damping := words.damping_message(fit):
+        last.append(damping)
     if result.comparison is not None:
         best, count = result.comparison.rows[0], len(result.comparison.rows)
         error = pretty(best.rmse, "force", 3)

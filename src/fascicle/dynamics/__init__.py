@@ -13,6 +13,7 @@ from ..jax import jax as _jax  # noqa: F401 64 bits, pytrees and XLA's option
 from ..muscle.hysteresis import AbstractHysteresis as AbstractHysteresis
 from ..muscle.hysteresis import Coulomb as Coulomb
 from ..muscle.hysteresis import Dahl as Dahl
+from ..muscle.hysteresis import Damping as Damping
 from ..muscle.hysteresis import MaxwellSlip as MaxwellSlip
 from .audit import Audit as Audit
 from .audit import Balance as Balance

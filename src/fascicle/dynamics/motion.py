@@ -172,14 +172,19 @@ def _friction_force(
     plant: "Plant", friction_memory: FrictionMemory, q: Batch, v: Batch, fluid: ChamberEvaluation
 ) -> tuple[Batch, Batch]:
     """Friction against the load [N or N·m], and the power lost by laws that have no memory [W]."""
-    if plant.hysteresis is None:
+    if plant.hysteresis is None and plant.damping is None:
         return 0.0 * q, 0.0 * q
     add, by_pressure = array_namespace(q).sum, fluid.muscles.force_by_pressure
     lever = plant.lengths * plant.gains
     speed = lever * v[..., None]
-    motion = muscle_motion(plant, friction_memory, q, fluid.pressures, speed, by_pressure)
-    force = plant.hysteresis.advance(friction_memory.spring_forces, motion).force
-    power = plant.hysteresis.lost_power(motion)
+    force = power = 0.0 * speed
+    if plant.hysteresis is not None:
+        motion = muscle_motion(plant, friction_memory, q, fluid.pressures, speed, by_pressure)
+        force = plant.hysteresis.advance(friction_memory.spring_forces, motion).force
+        power = plant.hysteresis.lost_power(motion)
+    if plant.damping is not None:
+        damping = plant.damping.force(speed, fluid.pressures)
+        force, power = force + damping, power + damping * speed
     return add(plant.counts * lever * force, axis=-1), add(plant.counts * power, axis=-1)
 
 

@@ -34,7 +34,7 @@ from ..fluid import (
     SonicValve,
 )
 from ..muscle.braid import Braid
-from ..muscle.hysteresis import AbstractHysteresis
+from ..muscle.hysteresis import AbstractHysteresis, Damping
 from .linearize import linearize
 from .loads import AbstractLoad
 from .muscles import AbstractMuscles, ExactMuscles, GeometricMuscles, MuscleTables
@@ -42,7 +42,8 @@ from .muscles import AbstractMuscles, ExactMuscles, GeometricMuscles, MuscleTabl
 
 _ABOVE_SUPPLY = 1.2  # pressure of a closed chamber that is stretched, over its supply's, at most
 LAWS = ("table", "exact")  # values of the argument `law`
-_PARTS = ("load", "supply", "chamber", "valve", "exhaust_valve", "spool", "hysteresis")
+_PARTS = ("load", "supply", "chamber", "valve", "exhaust_valve", "spool", "hysteresis",
+          "damping")  # fmt: skip
 VOLUMES = ("conjugate", "geometric")  # values of the argument `volume`
 
 
@@ -62,6 +63,7 @@ class Plant(Module):
     exhaust_valve: SonicValve | Orifice
     spool: AbstractSpool
     hysteresis: AbstractHysteresis | None
+    damping: Damping | None
     muscles: AbstractMuscles
     counts: Numbers
     lengths: Numbers
@@ -78,6 +80,7 @@ class Plant(Module):
         exhaust_valve: SonicValve | Orifice | None = None,
         spool: AbstractSpool | None = None,
         hysteresis: AbstractHysteresis | None = None,
+        damping: Damping | None = None,
         law: str = "table",
         volume: str = "conjugate",
         shape: tuple[int, int] = (161, 201),
@@ -88,7 +91,7 @@ class Plant(Module):
         - `load`, `supply` and `chamber`: of each unit's fluid; numbers may be one for each unit.
         - `valve`, `exhaust_valve`: from the supply and to the room; by default alike.
         - `spool`: from commands to openings; by default, `Direct`.
-        - `hysteresis`: friction of each muscle; by default, none.
+        - `hysteresis`, `damping`: friction of each muscle; by default, none.
         - `law`: "table" of the muscles' co-energy, or "exact", which is slow.
         - `volume`: "conjugate", which goes with the force, or "geometric".
         - `shape`: nodes of the tables in pressure and strain.
@@ -101,7 +104,7 @@ class Plant(Module):
         spool = Direct() if spool is None else spool
         units = [(unit, side) for side, b in enumerate(bundles) for unit in b.motor_units]
         muscles = [unit.muscle for unit, _ in units]
-        parts = load, supply, chamber, valve, exhaust_valve, spool, hysteresis
+        parts = load, supply, chamber, valve, exhaust_valve, spool, hysteresis, damping
         _check_fit(bundles, dict(zip(_PARTS, parts, strict=True)))
         check_choice(law, LAWS, "law")
         check_choice(volume, VOLUMES, "volume")

@@ -415,9 +415,14 @@ def _load_rates(plant: Plant) -> dict[str, float]:
     stiff = float(np.nanmax(np.where(fluid.pressure_slope > 0, stiffness, 0.0)))
     if plant.hysteresis is not None and hasattr(plant.hysteresis, "stiffness"):
         stiff += float(np.sum(n * (L * g) ** 2) * np.sum(np.asarray(plant.hysteresis.stiffness)))
+    damping = float(load.damping)
+    if plant.damping is not None:  # linear in pressure: it is largest at an end of its range
+        ends = np.array([0.0, plant.supply_pressure])[:, None]
+        ways = [plant.damping.coefficient(np.float64(way), ends) for way in (1, -1)]
+        damping += float(np.sum(n * (L * g) ** 2 * np.max(ways, axis=(0, 1))))
     rates = {
         "the load on its muscles": math.sqrt((stiff + float(load.stiffness)) / M),
-        "the load's damper": float(load.damping) / M,
+        "dampers of load and muscles": damping / M,
     }
     if load.stop:
         rates["the stop"] = math.sqrt(float(load.stop.stiffness) / M) + float(load.stop.damping) / M

@@ -128,6 +128,8 @@ def provenance_of(
             "half": _force_text(loop.half),
             **_springs(calibration),
         }
+    if damping := _damping(calibration):
+        table["damping"] = damping
     if choice is not None:
         table["reasons"] = list(reasons)
         table["candidate"] = [
@@ -198,6 +200,20 @@ def _springs(calibration: Calibration) -> dict[str, Any]:
     }
     springs["width_rmse"] = _force_text(friction.rmse)
     return {"kind": "maxwell_slip", **springs, "determined": list(friction.resolved)}
+
+
+def _damping(calibration: Calibration) -> dict[str, Any]:
+    """Keys of a scenario's `[damping]`; empty if it is unknown."""
+    if calibration.damping.reason:
+        return {}
+    if (law := calibration.damping.law) is None:
+        return {"kind": "none"}
+    table = {"kind": "viscous"}
+    for way in ("shortening", "lengthening"):
+        table[way] = pretty(float(getattr(law, way)), "damping", _ERROR_DIGITS)
+        slope = float(getattr(law, f"{way}_slope"))
+        table[f"{way}_slope"] = pretty(slope, "damping_slope", _ERROR_DIGITS)
+    return table
 
 
 def _parameter(estimate: Estimate) -> dict[str, Any]:

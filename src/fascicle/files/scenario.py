@@ -39,7 +39,11 @@ _MAX_NUMBERS = 128_000_000  # of a run's results: a gigabyte, two motor units in
 _NUMBERS_PER_STEP, _NUMBERS_PER_UNIT = 40, 12  # of these: of the plant, and of each motor unit
 _STEP = 1e-3  # s: resolves valves and muscles
 _ROUNDING = 1e-6  # of a step, by which rounding may shift a time
-_SPRINGS = ("kind", "stiffness", "slip_force", "slip_force_slope")
+# keys of parts that a calibration measures
+_MEASURED = {
+    "hysteresis": ("kind", "stiffness", "slip_force", "slip_force_slope"),
+    "damping": ("kind", "shortening", "lengthening", "shortening_slope", "lengthening_slope"),
+}
 _ACCUMULATORS = (fluid.Accumulator, fluid.PumpedAccumulator)
 # figures of a valve's data sheet, their dimensions and conversions to the conductance C; nominal
 # flow: 6 to 5 bar gauge, normal liters
@@ -102,6 +106,7 @@ _PARTS = {
     "exhaust_valve": _Part("kind", _VALVES, optional=True),
     "spool": _Part("kind", _SPOOLS, "direct", optional=True),
     "hysteresis": _Part("kind", _FRICTION, optional=True),
+    "damping": _Part("kind", {"viscous": dynamics.Damping}, "viscous", optional=True),
 }
 _NAMELESS = _Part("", {}, supplied=("liquid",), many=False)  # a table of one class: [load.stop]
 
@@ -374,7 +379,8 @@ def scenario_from_dict(
     """The scenario in a file's tables; arguments as for `loads_scenario`."""
     check_kind(data, "scenario", source)
     root = FileLocation(source, data, kind="scenario")
-    data = _with_measured_friction(data, root, folder)
+    for part in _MEASURED:
+        data = _with_measured(part, data, root, folder)
     schema, classes = _choose_schema(data, root)
     file: Any = validate(schema, data, source)
     bundles = _bundles(data, source, root, folder)
@@ -437,30 +443,33 @@ def _first_pressures(plant: Plant, control: ScenarioControl | None) -> Any:
     return dynamics.holding_pressures(plant, force=first) if plant.load.prescribed else 0.0
 
 
-def _with_measured_friction(
-    data: dict[str, Any], root: FileLocation, folder: Path | None
+def _with_measured(
+    part: str, data: dict[str, Any], root: FileLocation, folder: Path | None
 ) -> dict[str, Any]:
-    """A scenario's tables, with a calibration's springs in place of `kind = "measured"`; without
-    `[hysteresis]` if the calibration found none.
+    """A scenario's tables, with a calibration's numbers of a `part` in place of
+    `kind = "measured"`; without its table if the calibration measured none.
     """
-    table = data.get("hysteresis")
+    table = data.get(part)
     if not isinstance(table, dict) or table.get("kind") != "measured":
         return data
     for key in table:
         if key not in ("kind", "muscle"):
-            raise root.error(("hysteresis", key), "measured: the file of the muscle has it.")
+            raise root.error((part, key), "measured: the file of the muscle has it.")
     name = table.get("muscle", data.get("bundle"))
     if not isinstance(name, str) or folder is None or not (folder / name).is_file():
         rule = 'must name the calibrated muscle\'s file: write muscle = "muscle.toml".'
-        raise root.error(("hysteresis", "muscle"), rule)
-    springs = root.child("hysteresis").call(provenance, folder / name).get("hysteresis")
-    springs = springs if isinstance(springs, dict) else {}
-    if springs.get("kind") == "none":
-        return {key: value for key, value in data.items() if key != "hysteresis"}
-    if any(key not in springs for key in _SPRINGS):
-        rule = f"{name} has no friction: `fascicle calibrate` finds it in records of both ways."
-        raise root.error(("hysteresis", "kind"), rule)
-    return data | {"hysteresis": {key: springs[key] for key in _SPRINGS}}
+        raise root.error((part, "muscle"), rule)
+    numbers = root.child(part).call(provenance, folder / name).get(part)
+    numbers = numbers if isinstance(numbers, dict) else {}
+    if numbers.get("kind") == "none":
+        return {key: value for key, value in data.items() if key != part}
+    if any(key not in numbers for key in _MEASURED[part]):
+        records = {
+            "hysteresis": "friction: `fascicle calibrate` finds it in records of both ways",
+            "damping": "damping: `fascicle calibrate` finds it in records of two speeds",
+        }
+        raise root.error((part, "kind"), f"{name} has no {records[part]}.")
+    return data | {part: {key: numbers[key] for key in _MEASURED[part]}}
 
 
 def _check_list_lengths(

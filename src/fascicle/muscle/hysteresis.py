@@ -28,10 +28,13 @@ contracts, and as at $P + w$ while it is stretched,
 
 $$z = w \left|\frac{\partial F}{\partial P}\right| \tanh(\dot x/v_0), \tag{H3}$$
 
-with no memory.
+with no memory. `Damping` grows with the speed, with other constants for shortening and lengthening,
+
+$$z = B(P)\, \dot x, \qquad B = \max(B_0 + B_P P, 0). \tag{H6}$$
 
 **Source:** Iwan (1966), Maxwell slip; Dahl (1976); the width in pressure, by which
-measured loops of muscles are described: Chou and Hannaford (1996).
+measured loops of muscles are described: Chou and Hannaford (1996); damping by pressure and
+direction: Reynolds et al. (2003), Lilly and Quesada (2004).
 """
 
 import abc
@@ -45,7 +48,7 @@ from ..core.array_namespace import absolute, array_namespace, exp, maximum, mini
 from ..core.errors import InvalidInputError
 from ..core.module import Module, record
 from ..core.types import Batch, Numbers, Values
-from ..core.validation import check_nonnegative, check_positive
+from ..core.validation import check_finite, check_nonnegative, check_positive
 
 
 def _field(check: Callable, name: str, unit: str, **default: Any) -> Any:
@@ -212,3 +215,28 @@ class Coulomb(AbstractHysteresis):
 
     def lost_power(self, motion: Motion) -> Batch:
         return self.advance(np.zeros(0), motion).force * motion.velocity
+
+
+class Damping(Module):
+    """Friction in proportion to the speed of contraction, (H6), beside any that has a memory.
+
+    `shortening`, `lengthening`: $B_0$ of either direction [N·s/m]; `shortening_slope`,
+    `lengthening_slope`: $B_P$, its change with pressure [N·s/(m·Pa)].
+    """
+
+    source: ClassVar[str] = "Lilly and Quesada (2004)"
+    shortening: Batch = _field(check_finite, "shortening", "N·s/m")
+    lengthening: Batch = _field(check_finite, "lengthening", "N·s/m")
+    shortening_slope: Batch = _field(check_finite, "shortening_slope", "N·s/(m·Pa)", default=0.0)
+    lengthening_slope: Batch = _field(check_finite, "lengthening_slope", "N·s/(m·Pa)", default=0.0)
+
+    def coefficient(self, velocity: Batch, pressure: Batch) -> Batch:
+        """$B$ [N·s/m] at a `velocity` of contraction [m/s] and a `pressure` [Pa]."""
+        shortens = velocity >= 0
+        constant = where(shortens, self.shortening, self.lengthening)
+        slope = where(shortens, self.shortening_slope, self.lengthening_slope)
+        return maximum(constant + slope * pressure, 0.0)
+
+    def force(self, velocity: Batch, pressure: Batch) -> Batch:
+        """Force against contraction [N] at a `velocity` [m/s] and a `pressure` [Pa]."""
+        return self.coefficient(velocity, pressure) * velocity

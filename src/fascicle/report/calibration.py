@@ -89,7 +89,7 @@ def report(
         levels=f"{P.size} pressures from {limits}" if P.size > 1 else f"{P[0] / 1e3:.4g} kPa",
         verdict=[*first, *last], warnings=words.warnings_by_topic(fit),
         data_lines=words.fit_data_lines(fit.fit_data),
-        hysteresis=words.hysteresis_message(fit),
+        hysteresis=f"{words.hysteresis_message(fit)} {words.damping_message(fit)}".strip(),
         unknowns=unknowns, profiles={profile.name: profile for profile in profiles},
         length_note=fitted_length_note(fit.muscle), alpha=ALPHA, laws=laws_of(fit),
         correlation=fit.correlation + 0.0,  # no minus before a zero
@@ -251,6 +251,10 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         law, facts = friction.law, pick(friction, "breakaway", "rmse", "pressures")
         constants = {name: [] for name in springs} if law is None else pick(law, *springs)
         content["friction"] = {**constants, "determined": list(friction.resolved), **facts}
+    damping = content["damping"] = pick(fit.damping, "reason", "speeds")
+    for way in ("shortening", "lengthening"):
+        keys, side = ("coefficients", "covariance", "pressures"), getattr(fit.damping, way)
+        damping[way] = None if side is None else pick(side, *keys)
     if (choice := result.choice) is not None:
         content["candidates"] = [
             {"label": words.candidate_label(candidate), "names": list(candidate.names)}

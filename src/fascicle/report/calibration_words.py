@@ -333,6 +333,26 @@ def hysteresis_message(calibration: Calibration) -> str:
     return message
 
 
+def damping_message(calibration: Calibration) -> str:
+    """Friction by speed, in a line; empty if it is unknown."""
+    damping = calibration.damping
+    if damping.reason:
+        return ""
+    texts = []
+    for name in ("shortening", "lengthening"):
+        if (side := getattr(damping, name)) is None:
+            texts.append(f"unknown while {name}, for want of two speeds")
+            continue
+        value, error = side.at(side.pressure)
+        pressure = pretty(side.pressure, "pressure", 3)
+        text = f"{value:.3g} ± {error:.2g} N·s/m at {pressure} while {name}"
+        if side.pressures > 1:
+            text += f" ({side.coefficients[1] * 1e5:+.2g} N·s/m per bar)"
+        texts.append(text if side.is_clear else f"{text}, not above its error: taken as none")
+    speeds = " to ".join(f"{1e3 * speed:.3g}" for speed in damping.speeds)
+    return f"Damping, from speeds of {speeds} mm/s: {'; '.join(texts)}."
+
+
 def _count(number: int, noun: str) -> str:
     """A number of things, in words."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
@@ -506,6 +526,14 @@ def _fitted_length(data: Data) -> str:
     return f"{own}, those of the record to {reference}."
 
 
+def _damping_unknown(data: Data) -> str:
+    why = "there are no sweeps at constant pressure with times"
+    if data["reason"] == "one_speed":
+        slow, fast = (f"{1e3 * data[key]:.3g}" for key in ("slowest", "fastest"))
+        why = f"sweeps at one pressure have one speed ({slow} to {fast} mm/s in all)"
+    return f"Damping, friction that grows with the speed, is unknown: {why}."
+
+
 def _other_size(data: Data) -> str:
     value, nominal = (pretty(data[key], data["dimension"], 3) for key in ("value", "nominal"))
     return (
@@ -599,6 +627,7 @@ _CATALOGUE: dict[str, tuple[int, Part, Part]] = {
         7, "Measured in one direction, or in an unknown one: a muscle in use has a hysteresis loop"
         " of friction, which these errors do not contain.",
         "measure each pressure while the muscle shortens and while it lengthens"),
+    "use.damping_unknown": (9, _damping_unknown, "measure each pressure at two speeds or more"),
     "use.fitted_length": (9, _fitted_length, ""),
     "use.other_size": (
         2, _other_size, lambda data: "check the muscle's {}: fitted {}, given {}".format(

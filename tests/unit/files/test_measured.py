@@ -1,14 +1,17 @@
 """A scenario takes the friction that a calibration found; one without any runs to the bit."""
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fascicle as fs
 from fascicle.calibrate import fit
-from fascicle.dynamics import MaxwellSlip
+from fascicle.calibrate.findings import calibration_findings
+from fascicle.dynamics import Damping, MaxwellSlip
 from fascicle.files import load_scenario, loads_scenario
 from fascicle.files.calibration_files import provenance_of
-from fascicle.records import VirtualDynamometer
+from fascicle.records import Record, VirtualDynamometer
+from fascicle.report.calibration_words import damping_message
 
 
 SCENARIO = """
@@ -81,3 +84,47 @@ def test_unmeasured_friction_is_refused(tmp_path):
     ):
         with pytest.raises(ValueError, match=message):
             loads_scenario(SCENARIO.replace(FRICTION, friction), folder=tmp_path)
+
+
+def two_speeds(speeds):
+    """A synthetic record of both ways at each pressure and speed [m/s], damped by 80 N·s/m."""
+    rng, rows, clock = np.random.default_rng(2), [], 0.0
+    for speed in speeds:
+        for P in (1e5, 2e5, 4e5):
+            for way in (1, -1):
+                strain = np.linspace(0, 0.15, 40)[::way]
+                time = clock + np.abs(strain - strain[0]) * float(NOMINAL.length) / speed
+                force = NOMINAL.force(P, strain) - way * (1.0 + 80.0 * speed)
+                rows.append((np.full(40, P), strain, force + 0.1 * rng.normal(size=40), time))
+                clock = time[-1] + 0.01
+    P, strain, force, time = map(np.concatenate, zip(*rows, strict=True))
+    return Record.of(P, strain, force, time=time, rest_length=0.127, synthetic=True)
+
+
+DAMPING = '[damping]\nkind = "measured"\n'
+
+
+def test_plant_has_the_measured_damping_beside_springs_without_it(tmp_path):
+    calibration = fit(two_speeds([5e-3, 50e-3]), NOMINAL, ["c10"], whole=False)
+    fs.save(calibration.muscle, tmp_path / "muscle.toml", provenance_of(calibration, "2026-11-22"))
+    scenario = loads_scenario(SCENARIO.replace("[run]", f"{DAMPING}[run]"), folder=tmp_path)
+    law, fitted = scenario.plant.damping, calibration.damping.law
+    assert isinstance(law, Damping)
+    for way in (0.05, -0.05):
+        # four digits in the file; 240 readings of 0.1 N over 45 mm/s give 80 to 0.5
+        assert_allclose(law.force(way, 2e5), fitted.force(way, 2e5), rtol=1e-3)
+        assert_allclose(law.coefficient(way, 2e5), 80, atol=2.5)
+    # the loops' half width without the damper's part
+    assert_allclose(calibration.friction.half_width(2e5), 1.0, atol=0.1)
+    assert "use.damping_unknown" not in {x.code for x in calibration_findings(calibration)}
+    assert damping_message(calibration)
+
+
+def test_one_speed_leaves_damping_unknown(tmp_path):
+    calibration = fit(two_speeds([5e-3]), NOMINAL, ["c10"], whole=False)
+    data = {x.code: x.data for x in calibration_findings(calibration)}["use.damping_unknown"]
+    assert data["reason"] == "one_speed"
+    assert_allclose([data["slowest"], data["fastest"]], 5e-3, rtol=1e-6)
+    fs.save(calibration.muscle, tmp_path / "muscle.toml", provenance_of(calibration, "2026-11-22"))
+    with pytest.raises(ValueError, match="has no damping"):
+        loads_scenario(SCENARIO.replace("[run]", f"{DAMPING}[run]"), folder=tmp_path)
