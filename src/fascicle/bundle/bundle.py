@@ -19,7 +19,6 @@ that distance at rest.
 
 from collections.abc import Sequence
 from functools import cached_property, partial, reduce
-from typing import Any
 
 import numpy as np
 
@@ -218,7 +217,7 @@ class Bundle(Module):
     efficiency_map = efficiency_map
     average_efficiency = average_efficiency
 
-    def replace(self, **changes: Any) -> "Bundle":
+    def replace(self, **changes: Values) -> "Bundle":
         """A new bundle with `changes` of its arguments; `ValueError` for bad names and values."""
         return replace_checked(self, changes, length=self.plate_distance)
 
@@ -258,8 +257,7 @@ class Bundle(Module):
     @cached_property
     def _batch(self) -> tuple[int, ...]:
         """Shape of a batch of bundles, `()` of a single one."""
-        distance: Any = self.plate_distance
-        shapes = {"length": np.shape(distance)}
+        shapes = {"length": () if self.plate_distance is None else np.shape(self.plate_distance)}
         for i, unit in enumerate(self.motor_units, start=1):
             shapes[f"motor unit {i}"] = unit.muscle.batch_shape
             shapes[f"count {i}"] = np.shape(unit.count)

@@ -14,7 +14,7 @@ begin where the domain does, beside straight fibers, where a bladder's force has
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,10 @@ from ..repr_table import with_table_repr
 from .force_curves import insert_extrema
 from .pressurized import PressurizedBundle, flatten_batch, pressurize
 from .printing import equilibria_table
+
+
+if TYPE_CHECKING:
+    from .bundle import Bundle
 
 
 _CELLS = 16  # of a stretch that may hold an equilibrium: enough to separate its extrema
@@ -53,7 +57,7 @@ class Equilibria(NamedTuple):
     count: Int[AnyArray, "*#points"]
 
 
-def find_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> Equilibria:
+def find_equilibria(bundle: "Bundle", pressures: PerUnit, *force: Numbers) -> Equilibria:
     """All equilibria of a bundle or a batch at `pressures` [Pa], under a `force` [N] if given."""
     arrays, shape = flatten_batch(bundle, pressures, *force)
     count, _, units = arrays[1].shape
@@ -70,7 +74,7 @@ def find_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> Equilib
     return Equilibria(*(x.reshape((*shape, *x.shape[1:])) for x in (table, stable, found)))
 
 
-def find_first_equilibria(bundle: Any, pressures: PerUnit, *force: Numbers) -> Equilibria:
+def find_first_equilibria(bundle: "Bundle", pressures: PerUnit, *force: Numbers) -> Equilibria:
     """As `find_equilibria`, in arrays of a fixed shape, as JAX needs: those beyond `usual_count`
     are left out, and counted all the same.
     """
@@ -85,7 +89,7 @@ def usual_count(units: int) -> int:
 
 
 def attach_derivatives(
-    bundle: Any, strain: Numbers, pressures: PerUnit, force: Numbers = 0.0
+    bundle: "Bundle", strain: Numbers, pressures: PerUnit, force: Numbers = 0.0
 ) -> Numbers:
     """Equilibria [-] with their derivatives, from `strain` [-] without them, which is not finite
     where there are none; `bundle`, `pressures` [Pa] and `force` [N] as of `find_equilibria`.
@@ -104,7 +108,7 @@ def _equilibria_of_block(
     ahead of units; and of all in order their strains [-], and whether the force falls there.
     """
 
-    def strains(function: Callable[[PressurizedMuscle], Any]) -> Numbers:
+    def strains(function: Callable[[PressurizedMuscle], Numbers]) -> Numbers:
         return pressurized.plate_strains(function)[..., 0, :]
 
     kinks = np.concatenate([strains(lambda muscle: muscle.kinks), strains(_smooth_ends)])

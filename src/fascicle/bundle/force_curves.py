@@ -14,7 +14,7 @@ force is that of the nearest node, kink or extremum.
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,8 @@ from .states import States
 
 if TYPE_CHECKING:
     from ..muscle import Muscle
-    from ..muscle.piecewise import PressurizedMuscle
+    from ..muscle.piecewise import Piecewise, PressurizedMuscle
+    from .bundle import Bundle
 
 _CELLS = 64  # of the grid, dense at low pressures, where free strains change fastest
 # a cell of common muscles changes the free strain by less; steep fibers on a soft bladder by 0.1
@@ -101,21 +102,22 @@ class ForceOverLevel:
 class StateCurves:
     """Force over level of every state of a bundle, (B8), at any strain, by the muscles' laws."""
 
-    def __init__(self, bundle: Any, supply: float, states: States, resistance: bool):
+    def __init__(self, bundle: "Bundle", supply: float, states: States, resistance: bool):
         """`supply`: $P_s$ [Pa]. Each of independent units is a state by itself."""
         units = bundle.motor_units
         self.supply, self.resistance = supply, resistance
         unique, self.kind = unique_indices([unit.muscle for unit in units])
-        self.muscles = bundle.cache.get("muscle curves")
-        if self.muscles is None or self.muscles[0].supply != supply:
+        curves: list[ForceOverLevel] | None = bundle.cache.get("muscle curves")
+        if curves is None or curves[0].supply != supply:
             muscles = [units[i].muscle for i in unique]
             ratios = [None if bundle.ratios is None else float(bundle.ratios[i]) for i in unique]
             levels = _grid([muscle.law for muscle in muscles], supply)
-            self.muscles = [
+            curves = [
                 ForceOverLevel(muscle, ratio, supply, levels)
                 for muscle, ratio in zip(muscles, ratios, strict=True)
             ]
-            bundle.cache["muscle curves"] = self.muscles  # whole: other threads may look at it
+            bundle.cache["muscle curves"] = curves  # whole: other threads may look at it
+        self.muscles = curves
         self.levels = self.muscles[0].levels
         masks = states.throttled, states.vented, states.full
         self.owns_endpoints = states.owns_endpoints
@@ -146,7 +148,7 @@ class StateCurves:
         return forces if self.resistance else np.where(forces[0] > 0, forces, 0.0)
 
 
-def _grid(laws: list[Any], supply: float) -> Array:
+def _grid(laws: "list[Piecewise]", supply: float) -> Array:
     """Levels of the grid [-], those of the tunings' kinks among them; more of them in cells in
     which the free strain of a muscle rises steeply, and on both sides of a level where one of its
     kinks begins or ends, as collapse does at some pressure: there the force jumps.
@@ -167,7 +169,7 @@ def _grid(laws: list[Any], supply: float) -> Array:
     for law in laws:
         for kink, strains in enumerate(_kink_strains(law.at(levels * supply))):
 
-            def side(level: Array, law: Any = law, kink: int = kink) -> Array:
+            def side(level: Array, law: "Piecewise" = law, kink: int = kink) -> Array:
                 exists = np.isfinite(_kink_strains(law.at(level * supply))[kink])
                 return np.where(exists, -1.0, 1.0) + 0.0 * level
 
@@ -313,9 +315,13 @@ def _kinks_near(
 
 
 def insert_extrema(
-    function: Callable[[Array, Array], Array], row: Array, x: Array, excess: Array, slack: Any,
+    function: Callable[[Array, Array], Array],
+    row: Array,
+    x: Array,
+    excess: Array,
+    slack: Array | float,
     smooth: Array,
-) -> tuple[Array, Array, Array]:  # fmt: skip
+) -> tuple[Array, Array, Array]:
     """Nodes of curves with the extrema that may come as near to zero as `slack` [N]: `row` of the
     curve, `x` [-], and `excess` [N], the `function` of x and row; `smooth`: false at a known kink,
     which is an extremum itself, or none.

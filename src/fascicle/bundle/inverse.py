@@ -12,7 +12,7 @@ state pressurizes are among those of the next, the lowest state is the cheapest;
 lowest pressure is taken. At $\varepsilon \le 0$, where fluid flows back, that order holds as well.
 """
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,6 +27,10 @@ from .pressurized import unit_volume_change
 from .printing import recruitment_table
 from .schemes import AbstractScheme
 from .states import States, resolve_scheme, resolve_supply_pressure, states_of
+
+
+if TYPE_CHECKING:
+    from .bundle import Bundle
 
 
 PREFERENCES = ("efficiency", "nearest")  # values of the argument `prefer`
@@ -71,7 +75,7 @@ class RecruitmentResult(NamedTuple):
 
 
 def recruit(
-    bundle: Any,
+    bundle: "Bundle",
     force: Values,
     strain: Values,
     supply: Values = None,

@@ -12,21 +12,25 @@ that is shorter than $L$ is stretched from the start. **Valid** while no muscle'
 straight as long as another one isn't pulled.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from functools import reduce
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..core.array_namespace import add_table_axis, array_namespace, stack
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static, tree_leaves, tree_map, tree_structure, with_fields
-from ..core.types import Batch, Numbers, PerUnit, Values, Whole
+from ..core.types import Batch, Numbers, PerUnit, PyTree, Values, Whole
 from ..core.validation import LARGEST_STRAIN, check_size, is_concrete, traced_floats, warn_user
 from ..muscle import Muscle
 from ..muscle.muscle import map_numbers
 from ..muscle.piecewise import PressurizedMuscle
 from ..muscle.validation import check_strain, lowest_strain
+
+
+if TYPE_CHECKING:
+    from .bundle import Bundle
 
 
 class PressurizedBundle(Module):
@@ -41,18 +45,18 @@ class PressurizedBundle(Module):
     counts: Whole
     ratios: Numbers | None
 
-    def take(self, index: Any) -> "PressurizedBundle":
+    def take(self, index: Whole) -> "PressurizedBundle":
         """Bundles of a batch by `index`; the batch is on the last axis but two."""
         return tree_map(lambda x: x if np.ndim(x) < 3 else x[..., index, :, :], self)
 
-    def plate_strains(self, function: Callable[[PressurizedMuscle], Any]) -> Numbers:
+    def plate_strains(self, function: Callable[[PressurizedMuscle], Numbers]) -> Numbers:
         """The plates' strain [-] at the strain of a `function` of one muscle of each unit."""
         # also one that is the same for all muscles has a value for each
         values = [function(group) + 0.0 * group.column.free_strain for group in self.groups]
         strains = self._in_order(values)
         return strains if self.ratios is None else plate_strain(self.ratios, strains)
 
-    def map_units_over_strain(self, function: Callable[..., Any], *strains: Numbers) -> Any:
+    def map_units_over_strain(self, function: Callable[..., PyTree], *strains: Numbers) -> PyTree:
         """A `function` of one muscle of each unit and its strains at the bundle's `strains` [-]."""
         values = []
         for group, index in zip(self.groups, self.indices, strict=True):
@@ -76,7 +80,7 @@ class PressurizedBundle(Module):
         total = array_namespace(forces).sum
         return total(forces, axis=-1), total(slopes, axis=-1)
 
-    def _in_order(self, values: list[Any]) -> Any:
+    def _in_order(self, values: list[Numbers]) -> Numbers:
         """Groups' values in the order of the units, on the last axis."""
         if isinstance(values[0], tuple):
             return tuple(self._in_order(list(entries)) for entries in zip(*values, strict=True))
@@ -90,7 +94,7 @@ class PressurizedBundle(Module):
         return xp.concatenate(values, axis=-1)[..., order]
 
 
-def pressurize(bundle: Any, pressures: PerUnit) -> PressurizedBundle:
+def pressurize(bundle: "Bundle", pressures: PerUnit) -> PressurizedBundle:
     """A `bundle` at `pressures` [Pa], one for each unit on the last axis."""
     indices = tuple(index for index, _ in bundle.groups)
     groups = tuple(
@@ -100,20 +104,20 @@ def pressurize(bundle: Any, pressures: PerUnit) -> PressurizedBundle:
 
 
 def flatten_batch(
-    bundle: Any, pressures: PerUnit, force: Numbers = 0.0
-) -> tuple[tuple[Any, PerUnit, Numbers], tuple[int, ...]]:
+    bundle: "Bundle", pressures: PerUnit, force: Numbers = 0.0
+) -> tuple[tuple["Bundle", PerUnit, Numbers], tuple[int, ...]]:
     """A bundle, or a batch of bundles, at `pressures` [Pa], units last, and a `force` [N], which
     broadcast: all with an axis of points ahead of one of length one; and the shape of the points.
     """
     shape = np.broadcast_shapes(bundle._batch, np.shape(pressures)[:-1], np.shape(force))
 
-    def flatten(x: Any, *axes: int) -> Any:
+    def flatten(x: Numbers, *axes: int) -> Numbers:
         return array_namespace(x).broadcast_to(x, (*shape, *axes)).reshape(-1, 1, *axes)
 
-    def flatten_number(x: Any) -> Any:
+    def flatten_number(x: Numbers) -> Numbers:
         return flatten(x) if np.ndim(x) else x
 
-    def flatten_table(x: Any) -> Any:
+    def flatten_table(x: Numbers) -> Numbers:
         return flatten(x, np.shape(x)[-1]) if np.ndim(x) > 1 else x
 
     if bundle._batch:
@@ -130,7 +134,7 @@ def stack_muscles(muscles: Sequence[Muscle]) -> list[tuple[tuple[int, ...], Musc
     """Groups of muscles of the same laws and shapes, each as its indices among `muscles` and one
     muscle, stacked on the last axis; repetitions of one object stay that object, which broadcasts.
     """
-    groups: dict[Any, list[int]] = {}
+    groups: dict[Hashable, list[int]] = {}
     for i, muscle in enumerate(muscles):
         key = tree_structure(muscle), tuple(map(np.shape, tree_leaves(muscle)))
         groups.setdefault(key, []).append(i)
@@ -215,7 +219,7 @@ def check_volume_by_strain(muscles: Iterable[Muscle]) -> None:
             raise InvalidInputError("end_compliance", rule, largest, remedy, shown=text)
 
 
-def unit_volume_change(bundle: Any, strain: Values) -> PerUnit:
+def unit_volume_change(bundle: "Bundle", strain: Values) -> PerUnit:
     """Fluid $n_i (V_i(\\varepsilon) - V_i(0))$ [m³] that each motor unit of a `bundle` takes in
     from rest length to `strain` [-], units on the last axis; `ValueError` for compliant ends.
     """

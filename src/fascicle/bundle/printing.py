@@ -1,6 +1,6 @@
 """Tables that print for bundles, their equilibria and recruitment."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,11 +10,18 @@ from ..repr_table import ReprTable, format_number, format_range, title_with_shap
 from ..units import exact
 
 
+if TYPE_CHECKING:
+    from ..muscle import Muscle
+    from .bundle import Bundle
+    from .equilibria import Equilibria
+    from .inverse import RecruitmentResult
+
+
 # texts of a recruitment's status 0, 1 and 2
 _STATUS = ("reached", "above what is reachable", "below what is reachable")
 
 
-def bundle_table(bundle: Any) -> ReprTable:
+def bundle_table(bundle: "Bundle") -> ReprTable:
     """Motor units of a bundle, its supply and scheme."""
     units, supply = bundle.motor_units, "not given"
     if bundle.supply_pressure is not None:
@@ -43,7 +50,7 @@ def bundle_table(bundle: Any) -> ReprTable:
     return ReprTable(title, facts, heads, rows)
 
 
-def bundle_line(bundle: Any) -> str:
+def bundle_line(bundle: "Bundle") -> str:
     """Python expression of a bundle."""
     texts = [f"{list(bundle.motor_units)!r}"]
     if bundle.supply_pressure is not None and np.ndim(bundle.supply_pressure) == 0:
@@ -54,7 +61,7 @@ def bundle_line(bundle: Any) -> str:
     return f"Bundle({', '.join(texts)})"
 
 
-def equilibria_table(equilibria: Any) -> ReprTable:
+def equilibria_table(equilibria: "Equilibria") -> ReprTable:
     """Strains of equilibria, the unstable ones marked."""
     strains = np.asarray(equilibria.strain).reshape(-1, np.shape(equilibria.strain)[-1])
     stable = np.asarray(equilibria.stable).reshape(strains.shape)
@@ -70,7 +77,7 @@ def equilibria_table(equilibria: Any) -> ReprTable:
     return ReprTable(title, (), ("point", "strains"), rows, notes)
 
 
-def recruitment_table(result: Any) -> ReprTable:
+def recruitment_table(result: "RecruitmentResult") -> ReprTable:
     """Pressures for each demand, and whether it is reached."""
     pressures = np.reshape(result.pressures, (-1, np.shape(result.pressures)[-1]))
     columns = (result.force, result.state, result.count, result.status, result.stable)
@@ -90,7 +97,7 @@ def recruitment_table(result: Any) -> ReprTable:
     return ReprTable(title_with_shape("Recruitment", result.force), (), heads, rows, notes)
 
 
-def _laws_text(muscle: Any) -> str:
+def _laws_text(muscle: "Muscle") -> str:
     """Laws of a `muscle` that its file would name, such as "buckling kim2021"."""
     laws = {kind: getattr(muscle, kind) for kind in LAWS}
     return "; ".join(

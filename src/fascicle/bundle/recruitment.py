@@ -15,11 +15,11 @@ where the force is linear in pressure, that is, wherever the muscle pulls.
 
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core.types import Float, Values
+from ..core.types import Float, Marks, Values
 from ..core.validation import (
     check_gauge_pressure,
     check_interval,
@@ -116,7 +116,7 @@ class Overlap:
         return boundary(self.strain, low, high, np.isfinite(low))
 
 
-def boundary(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: Any) -> Outline:
+def boundary(strain: np.ndarray, low: np.ndarray, high: np.ndarray, inside: Marks) -> Outline:
     """Strains [-] there and back, with the `high` edge [N] there and the `low` one back."""
     strain, low, high = strain[inside], low[inside], high[inside]
     return np.r_[strain, strain[::-1]], np.r_[high, low[::-1]]

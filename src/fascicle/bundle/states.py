@@ -13,7 +13,7 @@ and of largest. Bundles, their efficiency and designs use it.
 from collections.abc import Callable, Sequence
 from itertools import chain, product
 from math import prod
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,10 @@ from ..core.errors import InvalidInputError
 from ..core.types import Bool, Int, Numbers, Values
 from ..core.validation import HIGHEST_PRESSURE, check_interval, check_plausible, check_scalar
 from .schemes import AbstractScheme, scheme_of
+
+
+if TYPE_CHECKING:
+    from .bundle import Bundle
 
 
 MAX_SETS = 4095  # of pressurized units: all of twelve unlike units
@@ -208,13 +212,13 @@ def is_prefix_consistent(scheme: AbstractScheme, units: int) -> bool:
     return True
 
 
-def resolve_scheme(bundle: Any, scheme: AbstractScheme | str | None) -> AbstractScheme:
+def resolve_scheme(bundle: "Bundle", scheme: AbstractScheme | str | None) -> AbstractScheme:
     """A `scheme`, by default the bundle's own; `ValueError` also for a batch of bundles."""
     check_single(bundle)
     return bundle.scheme if scheme is None else scheme_of(scheme)
 
 
-def resolve_supply_pressure(bundle: Any, supply_pressure: Values = None) -> float:
+def resolve_supply_pressure(bundle: "Bundle", supply_pressure: Values = None) -> float:
     """A supply pressure [Pa], by default the bundle's own; `ValueError` also for a batch."""
     check_single(bundle)
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
@@ -225,7 +229,7 @@ def resolve_supply_pressure(bundle: Any, supply_pressure: Values = None) -> floa
     return check_scalar(check_plausible(P, name), name)
 
 
-def check_single(bundle: Any) -> None:
+def check_single(bundle: "Bundle") -> None:
     """Refuse anything but a `Bundle`, and batches of bundles."""
     if not hasattr(bundle, "motor_units"):
         rule, remedy = "must be a Bundle", "build one: fs.Bundle([fs.MotorUnit(muscle)])"

@@ -8,30 +8,31 @@ Axes of nodes and of tables follow.
 """
 
 import sys
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from types import ModuleType
 
 import numpy as np
 
 from .errors import InvalidInputError
+from .types import Marks, Numbers, Values
 
 
 _NUMPY = (np.ndarray, np.generic, float, int)
 
 
-def array_namespace(*values: Any) -> Any:
+def array_namespace(*values: Values) -> ModuleType:
     """Array library that computes with all of the `values`: NumPy or JAX's."""
     if "jax" in sys.modules and any(map(is_jax_array, values)):
         return sys.modules["jax.numpy"]
     return np
 
 
-def imported_jax() -> Any:
+def imported_jax() -> ModuleType | None:
     """The module `jax` where `fascicle.jax` has been imported, else `None`."""
     return sys.modules.get("jax") if "fascicle.jax" in sys.modules else None
 
 
-def is_jax_array(value: Any) -> bool:
+def is_jax_array(value: object) -> bool:
     """True for arrays and tracers of JAX; `InvalidInputError` before `import fascicle.jax`."""
     jax = sys.modules.get("jax")
     if jax is None or isinstance(value, _NUMPY) or not isinstance(value, getattr(jax, "Array", ())):
@@ -42,15 +43,15 @@ def is_jax_array(value: Any) -> bool:
     return True
 
 
-def where(condition: Any, x: Any, y: Any) -> Any:
+def where(condition: Marks, x: Numbers, y: Numbers) -> Numbers:
     """Elements of `x` where the `condition` holds, else of `y`; numbers of numbers."""
     return array_namespace(condition, x, y).where(condition, x, y)[()]
 
 
-def _elementwise(name: str) -> Callable[..., Any]:
+def _elementwise(name: str) -> Callable[..., Numbers]:
     """NumPy's function of this name, in the array library of its arguments."""
 
-    def function(*arrays: Any) -> Any:
+    def function(*arrays: Numbers) -> Numbers:
         return getattr(array_namespace(*arrays), name)(*arrays)
 
     function.__name__ = function.__qualname__ = name
@@ -80,43 +81,43 @@ logical_not = _elementwise("logical_not")
 # nodes lie on a new first axis, so that the other axes broadcast as before
 
 
-def node_axis(values: Any, template: Any) -> Any:
+def node_axis(values: Numbers, template: Numbers) -> Numbers:
     """The `values` on a new first axis, ahead of all axes of the `template`."""
     return array_namespace(template).asarray(values).reshape((-1,) + (1,) * np.ndim(template))
 
 
-def expand_nodes(x: Any, template: Any) -> Any:
+def expand_nodes(x: Numbers, template: Numbers) -> Numbers:
     """`x` with axes of length 1 after its first, the nodes', to broadcast with the `template`."""
     missing = np.ndim(template) + 1 - np.ndim(x)
     return x if missing <= 0 else x.reshape(x.shape[:1] + (1,) * missing + x.shape[1:])
 
 
-def sum_nodes(x: Any) -> Any:
+def sum_nodes(x: Numbers) -> Numbers:
     """Sum over the nodes, which lie on the first axis."""
     return array_namespace(x).sum(x, axis=0)
 
 
-def min_nodes(x: Any) -> Any:
+def min_nodes(x: Numbers) -> Numbers:
     """Minimum over the nodes, which lie on the first axis."""
     return array_namespace(x).min(x, axis=0)
 
 
-def max_nodes(x: Any) -> Any:
+def max_nodes(x: Numbers) -> Numbers:
     """Maximum over the nodes, which lie on the first axis."""
     return array_namespace(x).max(x, axis=0)
 
 
-def add_table_axis(x: Any) -> Any:
+def add_table_axis(x: Numbers) -> Numbers:
     """`x` with a new last axis for the entries of a table."""
     return array_namespace(x).asarray(x)[..., None]
 
 
-def sum_table(x: Any) -> Any:
+def sum_table(x: Numbers) -> Numbers:
     """Sum over the last axis, that of a table."""
     return array_namespace(x).sum(x, axis=-1)
 
 
-def stack(rows: Any, axis: int = 0) -> Any:
+def stack(rows: Sequence[Numbers], axis: int = 0) -> Numbers:
     """Broadcast arrays, stacked on a new `axis`, by default the first."""
     xp = array_namespace(*rows)
     return xp.stack(xp.broadcast_arrays(*rows), axis=axis)

@@ -2,7 +2,6 @@
 
 from importlib.util import find_spec
 from numbers import Number
-from typing import Any
 
 
 class InvalidInputError(ValueError):
@@ -14,7 +13,7 @@ class InvalidInputError(ValueError):
     """
 
     def __init__(
-        self, argument: str, rule: str, value: Any, remedy: str = "", shown: str | None = None
+        self, argument: str, rule: str, value: object, remedy: str = "", shown: str | None = None
     ):
         """`shown`: text of the value with its unit; default: as Python writes it; empty: none."""
         self.argument, self.rule, self.value, self.remedy = argument, rule, value, remedy
@@ -32,7 +31,7 @@ class InvalidInputError(ValueError):
         line += f": {self.remedy}" if self.remedy else ""
         return line if line.endswith("?") else f"{line}."
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple:
         # the error of a worker process arrives with its fields
         return type(self), (self.argument, self.rule, self.value, self.remedy, self._value_text)
 

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
 
 
 class Severity(IntEnum):
@@ -22,8 +21,8 @@ class Finding:
 
     code: str
     severity: Severity
-    data: Mapping[str, Any] = field(default_factory=dict)
+    data: Mapping[str, object] = field(default_factory=dict)
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """Code, severity and data in one table."""
         return {"code": self.code, "severity": self.severity.name.lower(), **self.data}

@@ -5,7 +5,6 @@ No other module of the core, of muscles and bundles imports JAX at its top.
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,20 +14,20 @@ from jax.lax import stop_gradient
 from ..jax import jax
 from .array_namespace import array_namespace, where
 from .roots import STEPS, Residual, init_search, polish_root, safe_slope, search_step
-from .types import Batch, BatchLike, BoolBatch
+from .types import Batch, BatchLike, BoolBatch, PyTree
 
 
-def array_spec(kind: type, shape: tuple[int, ...]) -> Any:
+def array_spec(kind: type, shape: tuple[int, ...]) -> "jax.ShapeDtypeStruct":
     """Shape and type of an array of a `kind` of numbers."""
     return jax.ShapeDtypeStruct(shape, jax.dtypes.canonicalize_dtype(kind))
 
 
-def call_numpy(function: Callable[..., Any], result: Any, *arguments: Any) -> Any:
+def call_numpy(function: Callable[..., PyTree], result: PyTree, *arguments: PyTree) -> PyTree:
     """Tree that a NumPy `function` gives for `arguments` [any unit] that may be traced, without
     derivatives; `result`: a tree of its arrays' `array_spec`.
     """
 
-    def call(*values: Any) -> Any:
+    def call(*values: PyTree) -> PyTree:
         values = jax.tree.map(np.asarray, values)
         return jax.tree.map(lambda x, spec: np.asarray(x, spec.dtype), function(*values), result)
 
@@ -44,7 +43,7 @@ def iterate(step: Callable[[Batch], Batch], x: Batch, times: int) -> Batch:
     return x
 
 
-def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:
+def derivative(function: Callable[[Batch], Batch], x: Batch) -> tuple[Batch, Batch]:
     """Values of an elementwise `function` at `x` [any unit], and its slopes [any unit]."""
     x = jnp.asarray(x)
     return jax.jvp(function, (x,), (jnp.ones_like(x),))
@@ -52,7 +51,7 @@ def derivative(function: Callable[[Any], Any], x: Any) -> tuple[Any, Any]:
 
 @partial(jax.jit, static_argnums=0)  # else a caller without `jit` would compile each search anew
 def search_root(
-    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+    residual: Residual, theta: PyTree, low: BatchLike, high: BatchLike, start: BatchLike
 ) -> Batch:
     """Root of an elementwise `residual`, as `roots.find_root` finds it, in a compiled loop."""
     shape = jax.eval_shape(lambda x: residual(theta, x)[0] + low + high, jnp.asarray(start, float))
@@ -73,13 +72,13 @@ def search_root(
 
 
 @partial(jax.jit, static_argnums=0)
-def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
+def refine_root(residual: Residual, theta: PyTree, x: Batch) -> Batch:
     """Root of a residual near `x`, with its implicit derivatives by `theta`."""
     return _implicit_root(residual, theta, x)
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _implicit_root(residual: Residual, theta: Any, x: Batch) -> Batch:
+def _implicit_root(residual: Residual, theta: PyTree, x: Batch) -> Batch:
     return polish_root(*residual(theta, x), x)
 
 
@@ -88,7 +87,7 @@ def _implicit_derivative(residual: Residual, primals: tuple, tangents: tuple) ->
     """The root and its tangent, by `theta` alone; zero where it doesn't depend on the residual."""
     root = _implicit_root(residual, *primals)
 
-    def value_and_slope(theta: Any) -> tuple[Batch, tuple[Batch, Batch]]:
+    def value_and_slope(theta: PyTree) -> tuple[Batch, tuple[Batch, Batch]]:
         value, slope = residual(theta, root)
         return value, (value, slope)
 

@@ -8,12 +8,11 @@ import importlib
 import sys
 from collections.abc import Callable, Mapping
 from types import ModuleType
-from typing import Any
 
 
 def attach_lazy(
     package: str, homes: Mapping[str, str]
-) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a `package`. `homes`: module of each of its names; "" for a
     name that is a module. `ValueError` for a name that is its module's, too: importing that module
     would replace the object.
@@ -21,7 +20,7 @@ def attach_lazy(
     if twins := [name for name, home in homes.items() if name == home]:
         raise ValueError(f"{package}: {', '.join(twins)} can't be in a module of the same name.")
 
-    def get_attribute(name: str) -> Any:
+    def get_attribute(name: str) -> object:
         if homes.get(name):
             return getattr(_import(f".{homes[name]}", package), name)
         if name in homes:

@@ -9,7 +9,7 @@ be set afterwards. `import fascicle.jax` makes modules pytrees of JAX. Values th
 
 import sys
 from abc import ABC
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from inspect import signature
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, dataclass_transform
 
@@ -17,10 +17,11 @@ import attrs
 import numpy as np
 
 from .array_namespace import is_jax_array
+from .types import PyTree, Values
 from .validation import check_choice, is_concrete
 
 
-def _children(tree: Any) -> list[Any] | None:
+def _children(tree: PyTree) -> list[PyTree] | None:
     """Children of a node of a `tree`, in JAX's order; `None` for a leaf."""
     if hasattr(tree, "leaf_names"):
         return list(map(vars(tree).__getitem__, tree.leaf_names))
@@ -31,7 +32,7 @@ def _children(tree: Any) -> list[Any] | None:
     return [] if tree is None else None
 
 
-def tree_leaves(tree: Any) -> list[Any]:
+def tree_leaves(tree: PyTree) -> list[Values]:
     """Numbers, arrays and other leaves of a `tree` [any unit], in JAX's order."""
     leaves, nodes = [], [tree]
     while nodes:
@@ -43,7 +44,7 @@ def tree_leaves(tree: Any) -> list[Any]:
     return leaves
 
 
-def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
+def tree_map(function: Callable[..., Values], tree: PyTree, *trees: PyTree) -> PyTree:
     """Tree of a `function` of the leaves of a `tree`, and of other `trees` of its structure."""
     if (children := _children(tree)) is None:
         return function(tree, *trees)
@@ -59,13 +60,13 @@ def tree_map(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
     return type(tree)(*results) if hasattr(tree, "_fields") else type(tree)(results)
 
 
-def tree_replace(tree: Any, leaves: Iterable[Any]) -> Any:
+def tree_replace(tree: PyTree, leaves: Iterable[Values]) -> PyTree:
     """Copy of a `tree` with other `leaves`, in order [any unit]."""
     leaf = iter(leaves)
     return tree_map(lambda _: next(leaf), tree)
 
 
-def tree_structure(tree: Any) -> Any:
+def tree_structure(tree: PyTree) -> Hashable:
     """Structure of a `tree`, hashable: types, keys and static fields."""
     if tree is None or (children := _children(tree)) is None:
         return tree is None
@@ -75,10 +76,10 @@ def tree_structure(tree: Any) -> Any:
     return type(tree), fixed, tuple(map(tree_structure, children))
 
 
-def _rebuild(kind: Any, values: dict[str, Any]) -> Any:
+def _rebuild(kind: type["Kind"], values: dict[str, PyTree]) -> "Kind":
     """A module of a `kind` with `values` that are not checked again."""
     module = object.__new__(kind)
-    module.__dict__.update(values)
+    vars(module).update(values)
     return module
 
 
@@ -92,7 +93,7 @@ def modules() -> list[type["Module"]]:
 
 
 def static(
-    *, default: Any = attrs.NOTHING, converter: Callable | None = None, **metadata: Any
+    *, default: Values = attrs.NOTHING, converter: Callable | None = None, **metadata: Values
 ) -> Any:
     """A field that is part of a module's structure, such as the name of a law."""
     return record(default=default, converter=converter, static=True, **metadata)
@@ -100,10 +101,10 @@ def static(
 
 def record(
     *,
-    default: Any = attrs.NOTHING,
+    default: Values = attrs.NOTHING,
     converter: Callable | None = None,
     kw_only: bool = False,
-    **metadata: Any,
+    **metadata: object,
 ) -> Any:
     """A field of a module: its `default` [any unit], a `converter` that validates a value as it is
     set and returns it as numbers [any unit], and other `metadata`; `kw_only`: given by keyword.
@@ -127,9 +128,9 @@ class Module(ABC):
 
     if TYPE_CHECKING:
 
-        def __attrs_init__(self, *values: Any, **fields: Any) -> None: ...
+        def __attrs_init__(self, *values: object, **fields: object) -> None: ...
 
-    def __init_subclass__(cls, **options: Any) -> None:
+    def __init_subclass__(cls, **options: object) -> None:
         super().__init_subclass__(**options)
         owner = next(kind for kind in cls.__mro__ if "__init__" in vars(kind))
         writes_init = owner is not object and "__attrs_init__" in vars(owner)
@@ -149,7 +150,7 @@ class Module(ABC):
             if "__check_init__" in vars(kind):
                 vars(kind)["__check_init__"](self)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         """Fields are set once, by the constructor."""
         kind = type(self).__name__
         remedy = "construct another one"
@@ -200,7 +201,7 @@ def repr_fields(module: Module) -> str:
     return f"{type(module).__name__}({', '.join(values)})"
 
 
-def _value_text(value: Any) -> str:
+def _value_text(value: Values) -> str:
     """Numbers of a field; of many their count, of traced ones their type and shape."""
     if is_jax_array(value) and not is_concrete(value):
         return f"{value.dtype}{list(value.shape)}"  # traced: it has no numbers yet
@@ -214,9 +215,9 @@ Tree = TypeVar("Tree")
 Kind = TypeVar("Kind", bound=Module)
 
 
-def unique_indices(objects: Sequence[Any]) -> tuple[list[int], tuple[int, ...]]:
+def unique_indices(objects: Sequence[Hashable]) -> tuple[list[int], tuple[int, ...]]:
     """Indices of the distinct `objects`, and for each object the position of its equal in them."""
-    positions: dict[Any, int] = {}
+    positions: dict[Hashable, int] = {}
     inverse = tuple(positions.setdefault(item, len(positions)) for item in objects)
     return [inverse.index(k) for k in range(len(positions))], inverse
 
@@ -228,13 +229,13 @@ def to_numpy(tree: Tree) -> Tree:
     return tree_map(lambda leaf: np.asarray(leaf)[()], tree)
 
 
-def with_fields(module: Kind, **values: Any) -> Kind:
+def with_fields(module: Kind, **values: Values) -> Kind:
     """Copy of a `module` with other `values` of some fields [SI], without checks."""
     current = {name: getattr(module, name) for name in _field_names(module)}
     return _rebuild(type(module), current | values)
 
 
-def replace_checked(module: Kind, changes: dict[str, Any], **values: Any) -> Kind:
+def replace_checked(module: Kind, changes: Mapping[str, Values], **values: Values) -> Kind:
     """Copy of a `module` with `changes` of its arguments by name, checked as a new one. `values`:
     of arguments that have no attribute of their name [SI].
     """
@@ -242,4 +243,4 @@ def replace_checked(module: Kind, changes: dict[str, Any], **values: Any) -> Kin
     for name in changes:
         check_choice(name, names, "argument")
     current = {name: getattr(module, name) for name in names if name not in values}
-    return type(module)(**current | values | changes)
+    return type(module)(**current | values | dict(changes))

@@ -8,13 +8,14 @@ and a law stays a pure function.
 
 import importlib
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 
 from .array_namespace import array_namespace, is_jax_array, where
 from .module import tree_leaves, tree_map
-from .types import Batch, BatchLike, BoolBatch
+from .types import Batch, BatchLike, BoolBatch, PyTree
 
 
 STEPS = 100  # at most: bisection alone would need 53 to reach float64's last bit in (0, 1)
@@ -23,7 +24,7 @@ SHORT_STEP = 1e-7  # a Newton step this short leaves an error that one more take
 _LONGEST_STEP = 1e-3  # of a root's size: after a search a longer step comes from a jump
 
 
-Residual = Callable[[Any, Batch], tuple[Batch, Batch]]
+Residual = Callable[[PyTree, Batch], tuple[Batch, Batch]]
 
 
 def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Batch:
@@ -34,7 +35,7 @@ def guarded(condition: BoolBatch, value: BatchLike, safe: BatchLike = 1.0) -> Ba
 
 
 def root(
-    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+    residual: Residual, theta: PyTree, low: BatchLike, high: BatchLike, start: BatchLike
 ) -> Batch:
     """Root of an elementwise `residual` that is positive below it, negative above.
 
@@ -45,7 +46,7 @@ def root(
 
 
 def find_root(
-    residual: Residual, theta: Any, low: BatchLike, high: BatchLike, start: BatchLike
+    residual: Residual, theta: PyTree, low: BatchLike, high: BatchLike, start: BatchLike
 ) -> Batch:
     """Root of an elementwise `residual` in a bracket, to some 1e-14 and without derivatives."""
     # Newton's method, confined to a shrinking bracket and replaced by bisection where it leaves the
@@ -62,7 +63,7 @@ def find_root(
     return search.x
 
 
-def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
+def refine_root(residual: Residual, theta: PyTree, x: Batch) -> Batch:
     """Root near `x` to rounding, by one more Newton step, with its derivatives by `theta`."""
     value, slope = residual(theta, x)
     if array_namespace(value, slope, x) is np:
@@ -70,12 +71,12 @@ def refine_root(residual: Residual, theta: Any, x: Batch) -> Batch:
     return _jax_backend().refine_root(residual, theta, x)
 
 
-def _jax_backend() -> Any:
+def _jax_backend() -> ModuleType:
     """Module `core.jax_backend`, which imports this one."""
     return importlib.import_module("fascicle.core.jax_backend")
 
 
-def stop_gradient(tree: Any) -> Any:
+def stop_gradient(tree: PyTree) -> PyTree:
     """Copy of a `tree` of arrays [any unit] that is constant for derivatives."""
     if not any(map(is_jax_array, tree_leaves(tree))):
         return tree

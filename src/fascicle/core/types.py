@@ -2,7 +2,8 @@
 
 An `AnyArray` is NumPy's or JAX's, as are single numbers, or a symbol of a library that writes code.
 `Numbers`, `Whole` and `Marks` are of any shape. `Values` is input: a number, an array, nested lists
-or text with units, which `validation` checks.
+or text with units, which `validation` checks. A `PyTree` is an array, or modules, tuples and
+dictionaries of arrays.
 """
 
 # for people: no type checker knows what arrays of several libraries have in common
@@ -14,6 +15,7 @@ from typing import Any
 
 
 AnyArray = Any
+PyTree = Any
 
 BatchLike = Real[AnyArray, "*#batch"]
 Batch = Float[AnyArray, "*#batch"]

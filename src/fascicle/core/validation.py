@@ -27,7 +27,7 @@ import sys
 import warnings
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -119,7 +119,7 @@ def is_concrete(*values: Values) -> bool:
 
 def traced_floats(value: Values) -> Batch:
     """A traced `value` [any unit] as floats of JAX."""
-    return imported_jax().numpy.asarray(value, dtype=float)
+    return sys.modules["jax.numpy"].asarray(value, dtype=float)
 
 
 def broadcast_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
@@ -256,7 +256,7 @@ def check_size(value: Values, name: str, limits: Range | None = None) -> Batch:
     return check_plausible(check(value, name, limits.unit), name, limits)
 
 
-def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
+def check_plausible(value: Batch, name: str, limits: Range | None = None) -> Batch:
     """Return a number or array [SI] as it is; refuse one outside of `limits` (default: the range of
     its `name`), warn of an unusual one, and let JAX's tracers pass.
     """
@@ -273,7 +273,7 @@ def check_plausible(value: Any, name: str, limits: Range | None = None) -> Any:
     return value
 
 
-def check_whole_number(value: Any, name: str, low: int, high: float = math.inf) -> int:
+def check_whole_number(value: Values, name: str, low: int, high: float = math.inf) -> int:
     """Return a `value` that is one whole number from `low` to `high`."""
     is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if not is_whole or not low <= value <= high:
@@ -283,7 +283,7 @@ def check_whole_number(value: Any, name: str, low: int, high: float = math.inf) 
     return int(value)
 
 
-def check_scalar(value: Any, name: str) -> float:
+def check_scalar(value: Values, name: str) -> float:
     """Return the number in a checked `value` [any unit]; `InvalidInputError` for several."""
     if np.ndim(value):
         text = f"an array of shape {np.shape(value)}"

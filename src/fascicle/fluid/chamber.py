@@ -36,7 +36,7 @@ temperature and no vapor: below `lowest_pressure` the liquid boils. **Source:** 
 """
 
 import abc
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from ..core.array_namespace import array_namespace, where
 from ..core.module import Module
@@ -72,8 +72,8 @@ class AbstractChamber(Module):
 
     names: ClassVar[tuple[str, ...]]
     units: ClassVar[tuple[str, ...]]
-    gas: ClassVar[Any]
-    liquid: ClassVar[Any]
+    gas: ClassVar[Gas]
+    liquid: ClassVar[Liquid]
     newton_steps: ClassVar[int] = 1  # to the pressure: a gas's residual is linear in it
 
     dead_volume: Batch = nonnegative_field(

@@ -20,7 +20,7 @@ _ROOM = Range("Pa", 1e4, 3e4, 2e5, 1.2e8)  # from above the highest mountain to 
 _TEMPERATURE = Range("K", 100.0, 230.0, 400.0, 1500.0)  # from liquid air to hot gas
 
 
-def positive_field(name: str, limits: Range, remedy: str = "", **default: Any) -> Any:
+def positive_field(name: str, limits: Range, remedy: str = "", **default: Values) -> Any:
     """Field of a positive number within plausible `limits`; `remedy` is part of its error."""
 
     def validate(value: Values) -> Batch:
@@ -29,7 +29,7 @@ def positive_field(name: str, limits: Range, remedy: str = "", **default: Any) -
     return record(converter=validate, unit=limits.unit, **default)
 
 
-def nonnegative_field(name: str, limits: Range, remedy: str = "", **default: Any) -> Any:
+def nonnegative_field(name: str, limits: Range, remedy: str = "", **default: Values) -> Any:
     """Field of a number from zero within plausible `limits`; `remedy` is part of its error."""
 
     def validate(value: Values) -> Batch:
@@ -47,7 +47,7 @@ def interval_field(
     closed: tuple[bool, bool] = (False, False),
     remedy: str = "",
     unit: str = "-",
-    **default: Any,
+    **default: Values,
 ) -> Any:
     """Field of a number between `low` and `high`, each end `closed` or not; `remedy` is part of its
     error.
@@ -59,10 +59,10 @@ def interval_field(
     return record(converter=validate, unit=unit, **default)
 
 
-def component_field(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
+def component_field(name: str, kinds: tuple[type, ...], **default: Values) -> Any:
     """Field of a component of one of some `kinds`, or `None` if that is its `default`."""
 
-    def validate(value: Any) -> Any:
+    def validate(value: object) -> object:
         if isinstance(value, kinds) or (value is None and default.get("default", kinds) is None):
             return value
         names = " or ".join(f"`{kind.__name__}`" for kind in kinds)
@@ -71,7 +71,7 @@ def component_field(name: str, kinds: tuple[type, ...], **default: Any) -> Any:
     return record(converter=validate, **default)
 
 
-def room_pressure_field(**options: Any) -> Any:
+def room_pressure_field(**options: Values) -> Any:
     """Field of the room's pressure, absolute [Pa]; `options` of `record`."""
 
     def validate(value: Values) -> Batch:
@@ -82,6 +82,6 @@ def room_pressure_field(**options: Any) -> Any:
     return record(converter=validate, default=ROOM_PRESSURE, unit="Pa", **options)
 
 
-def temperature_field(name: str = "room_temperature", **options: Any) -> Any:
+def temperature_field(name: str = "room_temperature", **options: Values) -> Any:
     """Field of a temperature [K]; `options` of `record`."""
     return positive_field(name, _TEMPERATURE, default=ROOM_TEMPERATURE, **options)

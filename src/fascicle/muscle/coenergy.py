@@ -23,7 +23,6 @@ two-ports: Lanczos (1970), chapter VI, as for any force that has a potential.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -101,7 +100,7 @@ def conjugate_volume(law: Piecewise, pressure: Batch, strain: Batch) -> Batch:
     return derivative(potential, point)[1]
 
 
-def pressure_derivative(function: Callable[[Any], Any], pressure: Batch) -> Batch:
+def pressure_derivative(function: Callable[[Batch], Batch], pressure: Batch) -> Batch:
     """Derivative by pressure [1/Pa] of a `function` at `pressure` [Pa], by its values at five
     pressures from there on. At a kink it is that of higher pressures, as a law's slopes are.
     """

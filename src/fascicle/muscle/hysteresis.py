@@ -51,7 +51,7 @@ from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_finite, check_nonnegative, check_positive
 
 
-def _field(check: Callable, name: str, unit: str, **default: Any) -> Any:
+def _field(check: Callable, name: str, unit: str, **default: Values) -> Any:
     """Field of a `name` and a `unit`, whose value a `check` converts."""
     return record(unit=unit, converter=partial(check, name=name, unit=unit), **default)
 
@@ -79,7 +79,7 @@ class FrictionStep(NamedTuple):
 class AbstractHysteresis(Module):
     """Friction of one muscle against its contraction; `stiffness` [N/m] of those that have one."""
 
-    stiffness: ClassVar[Any]
+    stiffness: ClassVar[Numbers]
 
     @property
     @abc.abstractmethod

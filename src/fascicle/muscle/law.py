@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 import attrs
 
@@ -158,7 +158,7 @@ def _is_law(value: object, kind: type[AbstractLaw]) -> bool:
     return isinstance(value, type) and issubclass(value, kind) and hasattr(value, "name")
 
 
-def _load(point: "EntryPoint") -> type[Any]:
+def _load(point: "EntryPoint") -> type[AbstractLaw]:
     """Law of another package; `InvalidInputError` if it can't be imported or is something else."""
     label, remedy = f"{point.name!r} of the package {_package_of(point)}", "repair or uninstall it"
     try:
@@ -172,10 +172,11 @@ def _load(point: "EntryPoint") -> type[Any]:
     return law
 
 
-def _entry_points(**selection: Any) -> list["EntryPoint"]:
+def _entry_points(name: str | None = None) -> list["EntryPoint"]:
     from importlib import metadata  # takes longer to import than a law
 
-    return list(metadata.entry_points(group=ENTRY_POINTS, **selection))
+    points = metadata.entry_points(group=ENTRY_POINTS)
+    return list(points if name is None else points.select(name=name))
 
 
 def _package_of(point: "EntryPoint") -> str:

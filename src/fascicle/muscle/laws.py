@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
 
 from .buckling import BUCKLING_LAWS
 from .collapse import COLLAPSE_LAWS
@@ -13,7 +12,7 @@ from .tension import TENSION_LAWS
 
 
 # a kind's name is that of the muscle's argument, and of the key in files
-LAWS: Mapping[str, LawRegistry[Any]] = MappingProxyType({
+LAWS: Mapping[str, LawRegistry] = MappingProxyType({
     "tension": TENSION_LAWS,
     "buckling": BUCKLING_LAWS,
     "collapse": COLLAPSE_LAWS,

@@ -12,7 +12,6 @@ forces and shapes at any strain are closed forms from there.
 
 from collections.abc import Callable
 from functools import cached_property, partial
-from typing import Any
 
 import numpy as np
 
@@ -166,7 +165,7 @@ class Muscle(Module):
         thread_length: Values,
         turns: Values,
         wall_thickness: Values,
-        **laws: Any,
+        **laws: Values,
     ) -> "Muscle":
         """A muscle from the thread of its braid, as Chou and Hannaford describe it.
 
@@ -197,7 +196,7 @@ class Muscle(Module):
         nominal_angle: Values,
         tube_diameter: Values,
         wall_thickness: Values,
-        **laws: Any,
+        **laws: Values,
     ) -> "Muscle":
         """A muscle from a braided sleeve on a tube, as they are sold.
 
@@ -222,7 +221,7 @@ class Muscle(Module):
         radius = check_positive(tube_diameter, "tube_diameter", "m") / 2
         return cls(length, radius, wall_thickness, angle, **laws)
 
-    def replace(self, **changes: Any) -> "Muscle":
+    def replace(self, **changes: Values) -> "Muscle":
         """A copy with `changes` of arguments, such as `wall_thickness=1e-3` [m]; `ValueError` for
         unknown names and sizes that can't exist.
         """

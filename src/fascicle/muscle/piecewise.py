@@ -24,7 +24,7 @@ $0 \le P \le 1$ MPa, $1 - 1/\cos\alpha_0 < \varepsilon \le 0.6$.
 **Source:** Kim, Mazzoleni and Bryant (2021), (26) and (27).
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from ..core import array_namespace as xp
 from ..core.array_namespace import add_table_axis, array_namespace, exp, stack, where
 from ..core.module import Module
 from ..core.roots import guarded
-from ..core.types import Batch, BoolBatch, IntBatch
+from ..core.types import Batch, BoolBatch, IntBatch, PyTree
 from ..repr_table import ReprTable, format_number, title_with_shape, with_table_repr
 from .buckling import ROUNDING, AbstractBuckling, BucklingColumn, Centerline
 from .collapse import AbstractCollapse
@@ -45,7 +45,7 @@ TENSION, POST_BUCKLING, POST_COLLAPSE, STRAIGHT = 0, 1, 2, 3  # as results and f
 REGIONS = ("tension", "post-buckling", "post-collapse", "straight compression")
 
 
-def _response_table(response: Any) -> ReprTable:
+def _response_table(response: "Response") -> ReprTable:
     """Forces [N] and the region's name, a row for each point."""
     forces = (response.force, response.mesh, response.bladder, response.bending)
     columns = [np.ravel(x) for x in (*forces, response.region, response.several)]
@@ -144,7 +144,7 @@ class PressurizedMuscle(NamedTuple):
         """The muscle at the pressures of each `index`, which are on the last axis."""
         count = np.shape(self.column.pressure)[-1:]
 
-        def pick(value: Any) -> Any:
+        def pick(value: PyTree) -> PyTree:
             if isinstance(value, tuple):
                 values = map(pick, value)
                 return type(value)(*values) if hasattr(value, "_fields") else tuple(values)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,9 +10,14 @@ from ..core.module import repr_fields
 from ..core.validation import HIGHEST_PRESSURE
 from ..repr_table import ReprTable, format_number, format_range
 from ..units import exact, format_digits, pretty
-from .law import Declared
+from .law import AbstractLaw, Declared
 from .laws import LAWS, is_written_out
-from .materials import MATERIALS
+from .materials import MATERIALS, AbstractMaterial
+from .tuning import Tuning
+
+
+if TYPE_CHECKING:
+    from .muscle import Muscle
 
 
 # sizes of a muscle, and their dimensions
@@ -23,7 +28,7 @@ _TOP = 400e3
 _ROWS = 5  # pressures of the table: as many as fit beside the code
 
 
-def muscle_table(muscle: Any) -> ReprTable:
+def muscle_table(muscle: "Muscle") -> ReprTable:
     """Table of a muscle: sizes, laws, and blocked force, free and collapse strain by pressure."""
     facts = [(_spaced(name), range_text(muscle, name, d)) for name, d in SIZES.items()]
     facts.append(("material", material_text(muscle.material)))
@@ -50,7 +55,7 @@ def muscle_table(muscle: Any) -> ReprTable:
     return ReprTable("Muscle", facts, heads, rows)
 
 
-def muscle_line(muscle: Any) -> str:
+def muscle_line(muscle: "Muscle") -> str:
     """Python expression that constructs a single muscle; the fields of rows of muscles."""
     if not muscle.is_single:
         return repr_fields(muscle)
@@ -68,19 +73,19 @@ def muscle_line(muscle: Any) -> str:
     return f"Muscle({', '.join(arguments)})"
 
 
-def law_text(law: Any) -> str:
+def law_text(law: AbstractLaw) -> str:
     """Name of a law with its constants and switches."""
     numbers = _constants_text(law)
     return f"{law.name}: {numbers}" if numbers else law.name
 
 
-def material_text(material: Any) -> str:
+def material_text(material: AbstractMaterial) -> str:
     """Name of a material with its constants."""
     name, numbers = _material_name(material), _constants_text(material) or type(material).__name__
     return f"{name}: {numbers}" if name else numbers
 
 
-def tuning_text(tuning: Any) -> str:
+def tuning_text(tuning: Tuning) -> str:
     """Corrections of a tuning in words."""
     texts = []
     rows = np.shape(tuning.pressures)[-1]
@@ -102,7 +107,7 @@ def tuning_text(tuning: Any) -> str:
     return ", ".join(texts) or "none"
 
 
-def _material_name(material: Any) -> str:
+def _material_name(material: AbstractMaterial) -> str:
     """Name of a library's material that equals this one, else an empty text."""
     return next((name for name, named in MATERIALS.items() if named == material), "")
 
@@ -112,7 +117,7 @@ def _spaced(name: str) -> str:
     return name.replace("_", " ")
 
 
-def range_text(owner: Any, name: str, dimension: str) -> str:
+def range_text(owner: object, name: str, dimension: str) -> str:
     """Text of a number of the `owner`, or from the least to the largest of several."""
     return format_range(getattr(owner, name), lambda x: pretty(x, dimension))
 

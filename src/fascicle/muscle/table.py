@@ -30,7 +30,7 @@ import numpy as np
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module, to_numpy, with_fields
-from ..core.types import Batch, Numbers, Values
+from ..core.types import Batch, Numbers, Values, Whole
 from ..core.validation import LARGEST_STRAIN, check_interval
 from .coenergy import coenergy_at_rest, integrate_force, pressure_derivative
 from .piecewise import Piecewise, PressurizedMuscle
@@ -87,7 +87,7 @@ class MuscleTable(Module):
         """The table's end [Pa]."""
         return (self.root_step * self.coefficients.shape[-4]) ** 2
 
-    def lookup_at(self, pressure: Batch, strain: Batch, index: Any = None) -> MuscleState:
+    def lookup_at(self, pressure: Batch, strain: Batch, index: Whole | None = None) -> MuscleState:
         """Co-energy [J], force [N], volume [m³] and slopes at `pressure` [Pa] and `strain` [-],
         elementwise, without checks; `index`: of the muscle in a table of several.
         """
@@ -234,7 +234,7 @@ def tabulate(
 
 
 def _evaluate_nodes(
-    law: Piecewise, pressure: np.ndarray, strain: np.ndarray, rows: Any = slice(None)
+    law: Piecewise, pressure: np.ndarray, strain: np.ndarray, rows: slice | Whole = slice(None)
 ) -> list[np.ndarray]:
     """Co-energy and its slope by strain [J] at the grid's nodes, rows by pressure, and slopes of
     both by pressure [m³] in some `rows`.

@@ -4,7 +4,7 @@ Laws trust what has passed here.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,11 @@ from ..units import exact, pretty
 from .materials import MATERIALS, AbstractMaterial
 from .tension import AbstractTension
 from .tuning import Tuning
+
+
+if TYPE_CHECKING:
+    from .muscle import Muscle
+    from .piecewise import Piecewise
 
 
 # (r/r0)² = ε(2 − ε)/tan²α0 + 1 is right to about 1e-16/tan²α0 there, and rises from zero by
@@ -65,7 +70,7 @@ def choose_tuning(value: Tuning | None) -> Tuning:
     return Tuning() if value is None else value
 
 
-def lowest_strain(law: Any) -> Batch:
+def lowest_strain(law: "Piecewise") -> Batch:
     """Strain [-] of straight fibers by a force `law`, and a margin; -inf for a traced one."""
     angle, ratio = law.tension.bladder.braid.angle, law.tension.strain_ratio
     if not is_concrete(angle, ratio):
@@ -74,7 +79,7 @@ def lowest_strain(law: Any) -> Batch:
     return (1 - 1 / np.cos(np.asarray(angle))) / np.asarray(ratio) + _STRAIGHT_MARGIN
 
 
-def validate_point(muscle: Any, pressure: Values, strain: Values) -> tuple[Batch, Batch]:
+def validate_point(muscle: "Muscle", pressure: Values, strain: Values) -> tuple[Batch, Batch]:
     """`pressure` [Pa] and `strain` [-] as floats, if in a muscle's domain and broadcasting."""
     P = validate_pressure(muscle, pressure)
     eps = validate_strain(strain, muscle.law)
@@ -92,14 +97,14 @@ def check_broadcast(*arrays: Batch, batch: tuple[int, ...] = ()) -> None:
     broadcast_shape(**shapes)
 
 
-def validate_pressure(muscle: Any, value: Values) -> Batch:
+def validate_pressure(muscle: "Muscle", value: Values) -> Batch:
     """Return a gauge pressure [Pa] of the domain; warn of one above the range of the tuning."""
     pressure = check_gauge_pressure(value)
     muscle.tuning.warn_extrapolation(pressure)
     return pressure
 
 
-def validate_strain(value: Values, law: Any) -> Batch:
+def validate_strain(value: Values, law: "Piecewise") -> Batch:
     """Return a strain [-] if a muscle's force `law` is valid there; warn of an extension."""
     return check_strain(value, lowest_strain(law))
 
@@ -162,7 +167,7 @@ def validate_braid_angle(value: Values) -> Batch:
     return angle
 
 
-def check_muscle(muscle: Any) -> None:
+def check_muscle(muscle: "Muscle") -> None:
     """Refuse sizes of a `muscle` that can't be together, and warn of those its laws don't fit."""
     t0, r0, ratio = (
         muscle.wall_thickness,
@@ -202,7 +207,7 @@ def proportions_message(length: Batch, outer_radius: Batch) -> str:
     return f"`length` {L0:g} m is {L0 / r0:.3g} times `outer_radius` {r0:g} m: {effect}"
 
 
-def stretched_fibers_message(muscle: Any) -> str:
+def stretched_fibers_message(muscle: "Muscle") -> str:
     """Warning of a muscle whose fibers stretch too far below 1 MPa, else an empty text."""
     sizes = (muscle.length, muscle.outer_radius, muscle.braid_angle)
     if not muscle.tension.stretches or not is_concrete(*sizes, muscle.material, muscle.tension):
@@ -216,7 +221,7 @@ def stretched_fibers_message(muscle: Any) -> str:
     )
 
 
-def published_range_message(muscle: Any, law: type[AbstractTension] | None = None) -> str:
+def published_range_message(muscle: "Muscle", law: type[AbstractTension] | None = None) -> str:
     """Warning of a `muscle` unlike the one for which its tension law, or another `law`, was
     published, else an empty text. Constants that the user has fitted or written are accepted.
     """
@@ -244,7 +249,7 @@ def published_range_message(muscle: Any, law: type[AbstractTension] | None = Non
     )
 
 
-def _size_text(value: Any) -> str:
+def _size_text(value: Batch) -> str:
     """Text of a length [m], or from the least to the largest of several."""
     low, high = (pretty(float(x), "length", 3) for x in (np.min(value), np.max(value)))
     return low if low == high else f"{low} to {high}"
@@ -260,16 +265,16 @@ class FittedLength(NamedTuple):
     with_ends: bool = False
 
 
-def fit_info_entries(muscle: Any) -> dict[str, Any]:
+def fit_info_entries(muscle: "Muscle") -> dict[str, Values]:
     """Entries of the `[calibration]` table of a muscle's file; none of a muscle never fitted."""
     fitted = muscle.fitted_length
     if fitted is None:
         return {}
-    entries: dict[str, Any] = {"fitted_length": exact(fitted.length, "length")}
+    entries: dict[str, Values] = {"fitted_length": exact(fitted.length, "length")}
     return entries | ({"fitted_ends": True} if fitted.with_ends else {})
 
 
-def fitted_length_mismatch(muscle: Any) -> str:
+def fitted_length_mismatch(muscle: "Muscle") -> str:
     """Warning of a muscle that was fitted at another length, else an empty text."""
     if muscle.fitted_length is None or not is_concrete(muscle.length):
         return ""
@@ -284,7 +289,7 @@ def fitted_length_mismatch(muscle: Any) -> str:
     )
 
 
-def fitted_length_note(muscle: Any) -> str:
+def fitted_length_note(muscle: "Muscle") -> str:
     """Note of the length at which a muscle was fitted, else an empty text."""
     if muscle.fitted_length is None:
         return ""

@@ -25,13 +25,13 @@ shears by $\gamma$ holds less by $1 - \cos\gamma$. `shear="engesser"` asks for i
 """
 
 import abc
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from ...core.array_namespace import add_table_axis, cos, logical_not, where
 from ...core.parameters import SHARE, Constant, Switch
-from ...core.types import Batch, BatchLike, BoolBatch
+from ...core.types import Batch, BatchLike, BoolBatch, PyTree
 from ..law import AbstractLaw, LawRegistry
 from ..tension import Pull
 from ..tuning import TunedTension
@@ -59,7 +59,7 @@ class BucklingColumn(NamedTuple):
     free_strain: Batch
     bending_stiffness: Batch
     axial_stiffness: Batch
-    branch: Any = None
+    branch: PyTree = None
 
     @property
     def rest_length(self) -> Batch:
@@ -134,7 +134,7 @@ class AbstractBuckling(AbstractLaw):
         return column._replace(branch=self.branch(column))
 
     @abc.abstractmethod
-    def branch(self, column: BucklingColumn) -> Any:
+    def branch(self, column: BucklingColumn) -> PyTree:
         """Results for a `column` that depend on pressure alone, such as its onset."""
 
     @abc.abstractmethod

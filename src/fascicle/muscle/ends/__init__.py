@@ -30,8 +30,7 @@ is in its domain. **Source:** derived here.
 """
 
 from collections.abc import Callable
-from functools import cache
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -43,13 +42,11 @@ from ..law import AbstractLaw, LawRegistry
 from ..tension import Pull
 
 
-TunedTension = PressurizedTension = Any  # the classes, which import this module
+if TYPE_CHECKING:
+    from ..tuning import PressurizedTension, TunedTension
 
 _FARTHEST = 0.95  # of the bladder's strain: beyond the domain of strains
 _NEARLY_STRAIGHT = 0.999  # share of the strain of straight fibers, where the pull has no bound
-
-
-_quadrature = cache(np.polynomial.legendre.leggauss)  # nodes and weights of Gauss's rule
 
 
 def integrate_pieces(
@@ -59,7 +56,7 @@ def integrate_pieces(
     by Gauss's rule: 16 `points` leave 1e-11 of an integral, 8 leave 1e-8.
     """
     middle, half = (start + end) / 2, (end - start) / 2
-    node, weight = (node_axis(x, middle) for x in _quadrature(points))
+    node, weight = (node_axis(x, middle) for x in np.polynomial.legendre.leggauss(points))
     return half * sum_nodes(weight * force(middle + half * node))
 
 
@@ -76,11 +73,11 @@ class AbstractEnds(AbstractLaw):
         del length
         return 1.0
 
-    def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
+    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force and slope [N] at `pressure` [Pa] and `strain` [-], by default the bladder's."""
         return tension.bladder_pull(pressure, strain)
 
-    def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
+    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
         """Co-energy [J] beyond $P V(0)$ at rest and `pressure` [Pa]; zero unless ends yield."""
         del tension
         return 0.0 * pressure
@@ -120,12 +117,12 @@ class Compliant(AbstractEnds):
         return length / (length - self.inactive_length)
 
     def bladder_strain(
-        self, tension: TunedTension, pressure: BatchLike, strain: BatchLike
+        self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike
     ) -> Batch:
         """Strain of the bladder [-], (E8), at `pressure` [Pa] and the muscle's `strain` [-]."""
         return self._bladder_strain(tension.at(pressure), strain)
 
-    def _bladder_strain(self, tension: PressurizedTension, strain: BatchLike) -> Batch:
+    def _bladder_strain(self, tension: "PressurizedTension", strain: BatchLike) -> Batch:
         """Strain of the bladder [-], (E8), at the muscle's `strain` [-]."""
         L0, braid = tension.bladder.braid.length, tension.bladder.braid
         s = self.strain_ratio(L0)
@@ -143,7 +140,7 @@ class Compliant(AbstractEnds):
         start = minimum(maximum(start + (loaded - start) / fall, low), high)
         return root(_strain_residual, (tension, unloaded, rise), low, high, start)
 
-    def pull(self, tension: TunedTension, pressure: BatchLike, strain: BatchLike) -> Pull:
+    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
         """Force and slope [N] at `pressure` [Pa] and the muscle's `strain` [-], by (E8)."""
         L0, pressurized = tension.bladder.braid.length, tension.at(pressure)
         pull = pressurized.pull(self._bladder_strain(pressurized, strain))
@@ -152,7 +149,7 @@ class Compliant(AbstractEnds):
         slope = s / (1 - s * self.end_compliance / L0 * pull.slope)
         return Pull(pull.mesh, pull.bladder, slope * pull.mesh_slope, slope * pull.bladder_slope)
 
-    def coenergy_at_rest(self, tension: TunedTension, pressure: BatchLike) -> Batch:
+    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
         """Co-energy (E9) [J] besides $P V(0)$ at rest length and `pressure` [Pa]."""
         strain = self.bladder_strain(tension, pressure, 0.0 * pressure)
 

@@ -44,7 +44,7 @@ from the papers.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -70,7 +70,7 @@ class AbstractEmpirical(AbstractTension):
     rows_source: ClassVar[str]
     published: ClassVar[tuple[float, ...]]
 
-    def __init_subclass__(cls, **options: Any) -> None:
+    def __init_subclass__(cls, **options: object) -> None:
         if "published" in vars(cls):
             for constant in cls.published_constants():
                 cls.__annotations__[constant.name] = Batch
