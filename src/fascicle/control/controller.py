@@ -36,7 +36,7 @@ or a delay.
 """
 
 import warnings
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -180,7 +180,7 @@ class Cascade(Module):
         return CascadeMemory(*sums, springs, zero, policies, jnp.zeros(n), zero)
 
     def __call__(
-        self, memory: CascadeMemory, measurement: Measurement, reference: Any
+        self, memory: CascadeMemory, measurement: Measurement, reference: Numbers
     ) -> tuple[CascadeMemory, Numbers]:
         """Next memory and commands [-], from a `memory`, a `measurement` [SI] and the present
         `reference` [SI].
@@ -196,7 +196,7 @@ class Cascade(Module):
         return following._replace(steps=memory.steps + 1), following.commands
 
     def _update(
-        self, memory: CascadeMemory, measurement: Measurement, reference: Any
+        self, memory: CascadeMemory, measurement: Measurement, reference: Numbers
     ) -> CascadeMemory:
         """Next memory of one sample, from a `measurement` [SI], with its new commands [-]."""
         dt, plant, gains = self.dt * self.every, self.plant, self.gains

@@ -18,7 +18,7 @@ strain at which one does; after it the next unit is kept at its onset.
 **Source:** derived here.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from ..dynamics import Plant
 from .branches import Branches
 from .controller import DAMPED, valve_lag
 from .dip import Transition, check_unit, transition, unit_strain
-from .units import SLACK, AbstractValves, valves_of_units
+from .units import SLACK, AbstractValves, Valves, valves_of_units
 
 
 _SHAPE = (81, 121)  # of tables, for times alone; the dip is that of the law itself
@@ -105,7 +105,11 @@ class Crossing(NamedTuple):
 
 
 def hand_over_time(
-    bundle: Bundle, strain: Values, valves: Any, unit: int = 2, supply_pressure: Values = None
+    bundle: Bundle,
+    strain: Values,
+    valves: Valves,
+    unit: int = 2,
+    supply_pressure: Values = None,
 ) -> Numbers:
     """Time $t_c$ [s] in which a unit's valve fills it to its onset pressure, (X4): inf if it gains
     nothing up to the supply's pressure. `valves` are those of `crossing`; other arguments and
@@ -124,7 +128,7 @@ def hand_over_time(
 def crossing(
     bundle: Bundle,
     path: Path,
-    valves: Any,
+    valves: Valves,
     unit: int = 2,
     supply_pressure: Values = None,
     slack: float = SLACK,

@@ -39,13 +39,13 @@ band.
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from ..core.array_namespace import absolute, array_namespace, maximum, minimum, where
 from ..core.module import Module
-from ..core.types import Batch, Numbers
+from ..core.types import Batch, Marks, Numbers, PyTree
 from .units import SLACK, ControlledUnits, UnitCapability, UnitDemand, select_unit, share_demand
 
 
@@ -59,7 +59,7 @@ class PolicyStep(NamedTuple):
     `pressures` of units [Pa], and force that is `withheld` from the demand [N].
     """
 
-    memory: Any
+    memory: PyTree
     pressures: Numbers
     withheld: Batch
 
@@ -143,7 +143,7 @@ class _Path(NamedTuple):
     deepest: Batch
     speed: Batch
     fastest: Batch
-    adds_force: Any
+    adds_force: Marks
 
 
 class HandOverPolicy(Module):
@@ -157,7 +157,11 @@ class HandOverPolicy(Module):
     tolerance: Batch = np.float64(TOLERANCE)
 
     def __call__(
-        self, memory: Any, units: ControlledUnits, demand: UnitDemand, capability: UnitCapability
+        self,
+        memory: HandOverState,
+        units: ControlledUnits,
+        demand: UnitDemand,
+        capability: UnitCapability,
     ) -> PolicyStep:
         xp = array_namespace(demand.strains, demand.force)
         indices, n = xp.arange(units.count), float(units.count)
@@ -216,7 +220,7 @@ class HandOverPolicy(Module):
         demand: UnitDemand,
         capability: UnitCapability,
         k: Batch,
-        falls: Any,
+        falls: Marks | bool,
     ) -> _Path:
         """Path from unit `k`, counted from 1, to the next one; `falls`: true if it is vented."""
         xp = array_namespace(demand.strains, demand.force)

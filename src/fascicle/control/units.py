@@ -24,10 +24,10 @@ import numpy as np
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module
-from ..core.types import Batch, Numbers
+from ..core.types import Batch, Marks, Numbers, PyTree
 from ..core.validation import Range
 from ..dynamics import Plant
-from ..fluid import AIR, AbstractChamber, Gas
+from ..fluid import AIR, AbstractChamber, Gas, Orifice, SonicValve
 from ..fluid.fields import component_field, positive_field, room_pressure_field, temperature_field
 from .branches import Branches
 
@@ -90,7 +90,7 @@ class PlantValves(AbstractValves):
     """
 
     chamber: AbstractChamber
-    valve: Any
+    valve: SonicValve | Orifice
     supply_pressure: Batch
     supply_temperature: Batch
 
@@ -112,7 +112,12 @@ class PlantValves(AbstractValves):
         return self.valve.flow(top, pressure + room, self.supply_temperature, temperature)
 
 
-def valves_of_units(valves: Any, units: int) -> tuple[AbstractValves, ...]:
+Valves = Plant | AbstractValves | Sequence[AbstractValves]
+
+
+def valves_of_units(
+    valves: Plant | AbstractValves | Sequence[AbstractValves], units: int
+) -> tuple[AbstractValves, ...]:
     """Valves of each of so many `units`; `valves`: a plant, one for all units, or a list."""
     per_unit: Any = PlantValves.of(valves) if isinstance(valves, Plant) else valves
     if not isinstance(per_unit, Sequence):
@@ -127,7 +132,7 @@ def valves_of_units(valves: Any, units: int) -> tuple[AbstractValves, ...]:
     return tuple(per_unit)
 
 
-def _select_units(component: Module, index: Any, units: int) -> Any:
+def _select_units(component: Module, index: int | slice, units: int) -> PyTree:
     """Copy of a `component` of a plant with so many `units`, with those of an `index` alone."""
     return jax.tree.map(
         lambda x: np.asarray(x)[..., index] if np.shape(x)[-1:] == (units,) else x, component
@@ -142,7 +147,7 @@ class ControlledUnits(Module):
 
     branches: Branches
     counts: Numbers
-    chamber: Any
+    chamber: AbstractChamber
     valve: Any
     exhaust_valve: Any
     supply_temperature: Batch
@@ -212,7 +217,7 @@ class UnitCapability(NamedTuple):
     parked: Numbers
     full: Numbers
     empty: Numbers
-    adds_force: Any
+    adds_force: Marks
     onset: Numbers
     dip: Numbers
     dip_pressure: Numbers

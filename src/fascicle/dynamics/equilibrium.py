@@ -9,8 +9,6 @@ of several the first stable one from the least contraction. Chambers hold fluid 
 in the volume of that strain, as warm as the room; friction is relaxed.
 """
 
-from typing import Any
-
 import numpy as np
 from scipy.optimize import root_scalar
 
@@ -83,7 +81,7 @@ def holding_pressures(
 def _find_equilibrium(plant: Plant, pressures: Numbers, low: float, high: float) -> float:
     """First position [SI] from `low` to `high` at which the net force falls through zero."""
 
-    def net_force(q: Any) -> Any:
+    def net_force(q: Numbers) -> Numbers:
         with np.errstate(all="ignore"):  # of branches that aren't taken
             eps = plant.strains(np.asarray(q)[..., None])
             pull = np.asarray(plant.muscles.at(pressures + 0.0 * eps, eps).force)

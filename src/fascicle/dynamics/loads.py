@@ -17,7 +17,7 @@ and likewise at the low end, so that the integrator needs no search for events.
 
 import abc
 from functools import partial
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -89,7 +89,7 @@ class AbstractLoad(Module):
     prescribed: ClassVar[bool] = False
     stop: ClassVar[Stop | None]
     damping: ClassVar[Batch] = 0.0
-    stiffness: ClassVar[Any] = 0.0
+    stiffness: ClassVar[Batch] = 0.0
 
     @property
     def arms(self) -> tuple[tuple[Batch, Batch], ...]:

@@ -7,7 +7,7 @@ conjugate one, and so makes or loses energy when muscles buckle: an audit report
 
 import abc
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -36,8 +36,8 @@ class AbstractMuscles(Module):
     between the lowest and highest of its `strains` [-].
     """
 
-    strains: ClassVar[Any]
-    highest_pressure: ClassVar[Any]
+    strains: ClassVar[Numbers]
+    highest_pressure: ClassVar[Numbers]
 
     @abc.abstractmethod
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:

@@ -214,7 +214,7 @@ def _check_fit(bundles: tuple[Bundle, ...], parts: dict[str, Any]) -> None:
         if not isinstance(valve := parts[name], flow):
             rule = f"must be of {flow.__name__} for {fluid}"
             raise InvalidInputError(name, rule, valve, shown=type(valve).__name__)
-    compliance: Any = chamber.compliance if liquid else 1.0
+    compliance: Numbers = chamber.compliance if liquid else 1.0
     if is_concrete(compliance) and not np.all(np.asarray(compliance) > 0):
         least = float(np.min(compliance))
         rule = "must be positive for a liquid, which hardly gives way itself"

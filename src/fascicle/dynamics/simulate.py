@@ -16,7 +16,7 @@ runs, are compiled once. `integrate` is its reference.
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -25,7 +25,7 @@ from jax import lax
 
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, with_fields
-from ..core.types import Batch, BoolBatch, Numbers, Values
+from ..core.types import Batch, BoolBatch, Numbers, PyTree, Values, Whole
 from ..core.validation import check_finite, check_positive, is_concrete
 from ..fluid import validate_commands
 from .chamber_pressure import (
@@ -82,7 +82,7 @@ class Measurement(NamedTuple):
 
 # takes its memory, at first its attribute `memory`, a measurement [SI] and the present reference,
 # and returns the next memory and commands [-]
-Controller = Callable[[Any, Measurement, Any], tuple[Any, Numbers]]
+Controller = Callable[[PyTree, Measurement, Numbers], tuple[PyTree, Numbers]]
 
 
 class Schedule:
@@ -150,7 +150,7 @@ class Trajectory(NamedTuple):
 
 def simulate(
     plant: Plant,
-    controller: Controller | Schedule | Values,
+    controller: PyTree,
     reference: Values = None,
     dt: float = 1e-3,
     duration: float | None = None,
@@ -203,8 +203,12 @@ def simulate(
 
 
 def _prepare_controller(
-    plant: Plant, controller: Any, reference: Values, dt: float, duration: float | None
-) -> tuple[Any, Any, Numbers]:
+    plant: Plant,
+    controller: PyTree,
+    reference: Values,
+    dt: float,
+    duration: float | None,
+) -> tuple[Callable, PyTree, Numbers]:
     """Controller, its first memory, and its input at each step: the reference, or commands."""
     act, memory, name = _follow_reference, (), "commands"
     if callable(controller):
@@ -223,7 +227,7 @@ def _prepare_controller(
     return act, memory, rows if name == "reference" else plant.check_commands(rows)
 
 
-def _follow_reference(memory: Any, _: Measurement, reference: Numbers) -> tuple[Any, Numbers]:
+def _follow_reference(memory: PyTree, _: Measurement, reference: Numbers) -> tuple[PyTree, Numbers]:
     """Controller that measures nothing, with the commands as its reference."""
     return memory, reference
 
@@ -250,13 +254,13 @@ class _Rows(NamedTuple):
 
 def _run(
     plant: Plant,
-    numbers: list[Any],
-    memory: Any,
+    numbers: list[Values],
+    memory: PyTree,
     inputs: Numbers,
     begin: State,
     dt: Batch,
-    substeps: Any,
-    fixed: tuple[Any, tuple[Any, ...], int],
+    substeps: Whole,
+    fixed: tuple[PyTree, tuple, int],
 ) -> _Rows:
     """Rows of a run of a plant from the state `begin` [SI] by a step for each row of `inputs`.
 

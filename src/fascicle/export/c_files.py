@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable, Mapping
 from importlib.resources import files
-from typing import Any
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from ..bundle import Bundle
 from ..bundle.bundle import as_bundle
 from ..bundle.pressurized import muscle_strain, plate_strain
 from ..core.errors import InvalidInputError
+from ..core.types import Numbers
 from ..core.validation import LARGEST_STRAIN, is_concrete
 from ..muscle import Muscle
 from ..muscle.table import default_strains
@@ -85,14 +85,14 @@ def table_strains(bundle: Bundle) -> list[tuple[float, float]]:
     return ends
 
 
-def render_template(file: str, values: Mapping[str, Any]) -> str:
+def render_template(file: str, values: Mapping[str, object]) -> str:
     """Text of a template of the folder `c`, with `values` in place of their `@names@`."""
     text = (files("fascicle.export") / "c" / file).read_text(encoding="utf-8")
     text = re.sub(r"@(\w+)@", lambda match: str(values[match[1]]), text)
     return text.rstrip("\n") + "\n"
 
 
-def c_array(values: Any, number: Callable[[Any], str] = repr) -> str:
+def c_array(values: Numbers, number: Callable[[float], str] = repr) -> str:
     """Initializers of an array in C, in braces from its second axis on; `number`: formats one."""
     rows = np.asarray(values).tolist()
     if rows and isinstance(rows[0], list):

@@ -6,8 +6,7 @@ of (K2a), and the force's integral with its anti-windup, on gas. Any controller 
 position around it.
 """
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
 
 import attrs
 import numpy as np
@@ -19,6 +18,7 @@ from ..control.controller import RATE_FILTER
 from ..control.policies import TOLERANCE, HandOverPolicy, SequentialPolicy
 from ..control.units import CHORD, CLOSE, LATE, SLACK
 from ..core.errors import InvalidInputError
+from ..core.types import Numbers
 from ..dynamics import Plant
 from ..dynamics.muscles import MuscleTables
 from ..fluid import AdiabaticWall, Isothermal, SonicValve
@@ -58,8 +58,8 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
 
 
 def template_values(
-    controller: Cascade, names: dict[str, Any], number: Callable[[float], str]
-) -> dict[str, Any]:
+    controller: Cascade, names: dict[str, str], number: Callable[[float], str]
+) -> Mapping[str, object]:
     """Values of the C template for a controller on its table, besides the `names`; `number` formats
     one number.
     """
@@ -68,7 +68,7 @@ def template_values(
     temperature = float(chamber.room_temperature)
     density = chamber.gas.density(np.asarray(chamber.room_pressure), temperature)
 
-    def initializers(values: Any) -> str:
+    def initializers(values: Numbers) -> str:
         return c_array(np.broadcast_to(np.asarray(values, float), (count,)), number)
 
     def valve(valve: SonicValve, temperatures: tuple[float, float]) -> str:
@@ -115,7 +115,7 @@ def template_values(
         "linear": number(LAMINAR_FROM),
     }
     file = "policy_hand_over.c" if values["policy"] == "hand_over" else "policy_in_turn.c"
-    return values | {"policy_code": render_template(file, names | values)}
+    return {**values, "policy_code": render_template(file, names | values)}
 
 
 def single_bundle(plant: Plant) -> Bundle:

@@ -10,18 +10,23 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import __version__
 from ..bundle import Bundle
 from ..core.errors import InvalidInputError, require
+from ..core.types import Numbers
 from ..core.validation import HIGHEST_PRESSURE
 from ..io.atomic import write_text
 from ..muscle import Muscle, MuscleTable
 from .c_files import concrete_bundle
 from .c_table import nodes, tabulate
+
+
+if TYPE_CHECKING:
+    from ..plot.theme import Colors
 
 
 CURVES = tuple(1e3 * pressure for pressure in (0.0, 100.0, 200.0, 300.0, 400.0))  # Pa
@@ -124,12 +129,12 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
     }
 
 
-def _table_data(table: MuscleTable) -> dict[str, Any]:
+def _table_data(table: MuscleTable) -> dict[str, object]:
     """Numbers of a `table` for the page's scripts; arrays are doubles in base64."""
     lines, columns = table.coefficients.shape[:2]
     low, high = map(float, table.strains)
 
-    def encode(values: Any) -> str:
+    def encode(values: Numbers) -> str:
         return base64.b64encode(np.asarray(values, "<f8").tobytes()).decode("ascii")
 
     return {
@@ -145,7 +150,7 @@ def _table_data(table: MuscleTable) -> dict[str, Any]:
     }
 
 
-def _theme(colors: Any) -> dict[str, Any]:
+def _theme(colors: "Colors") -> dict[str, object]:
     """Colors by name for the page's scripts, which draw its figures, from these `colors`."""
     from ..plot.theme import VERMILION, mix
 

@@ -5,7 +5,7 @@
 
 import os
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ..core.types import Batch, Values
 from ..core.validation import check_choice, check_finite, check_positive
 from ..dynamics.loads import AbstractLoad
 from ..muscle import Muscle
-from .optional_imports import mujoco
+from .optional_imports import Model, mujoco
 
 
 _PULL = -1.0  # gain of a pull: a positive force in MuJoCo would lengthen the tendon
@@ -40,7 +40,7 @@ class Attached(NamedTuple):
         actuator, tendon = (f"{prefix}{name}{suffix}" for name in (self.actuator, self.tendon))
         return self._replace(actuator=actuator, tendon=tendon)
 
-    def actuator_in(self, model: Any) -> tuple[int, str]:
+    def actuator_in(self, model: Model) -> tuple[int, str]:
         """Index of the actuator in a compiled MuJoCo `model`, and its tendon's name.
 
         An actuator of a sub-model under a prefix or a suffix is found if it is the only one;
@@ -63,7 +63,7 @@ class Attached(NamedTuple):
 
 
 def attach(
-    spec: Any,
+    spec: Model,
     tendon: str,
     bundle: Bundle | Muscle,
     rest_length: Values,
@@ -114,7 +114,7 @@ def attach(
     return Attached(name, tendon, bundle, length, compliance, bool(slack))
 
 
-def check_model(model: Any, argument: str, kinds: tuple[str, ...]) -> None:
+def check_model(model: Model, argument: str, kinds: tuple[str, ...]) -> None:
     """Refuse a `model`, called `argument`, that is none of MuJoCo's `kinds`, such as a path."""
     if isinstance(model, tuple(getattr(mujoco, kind) for kind in kinds if hasattr(mujoco, kind))):
         return
@@ -126,7 +126,7 @@ def check_model(model: Any, argument: str, kinds: tuple[str, ...]) -> None:
     raise InvalidInputError(argument, rule, model, remedy, shown=type(model).__name__)
 
 
-def _add_actuator(spec: Any, tendon: str, name: str) -> None:
+def _add_actuator(spec: Model, tendon: str, name: str) -> None:
     """Add an actuator on a `tendon` to `spec`, whose control is a pull [N]."""
     actuator = spec.add_actuator(name=name, target=tendon, trntype=mujoco.mjtTrn.mjTRN_TENDON)
     # what the model's defaults set for its own actuators would change or limit the force
@@ -138,7 +138,7 @@ def _add_actuator(spec: Any, tendon: str, name: str) -> None:
     actuator.gear = np.eye(1, len(actuator.gear))[0]
 
 
-def _replace_actuator(model: Any, tendon: str) -> str:
+def _replace_actuator(model: Model, tendon: str) -> str:
     """Make the actuator on a `tendon` of a compiled `model` one of pulls [N]; return its name."""
     on_tendon = (model.actuator_trntype == mujoco.mjtTrn.mjTRN_TENDON) & (
         model.actuator_trnid[:, 0] == model.tendon(tendon).id

@@ -15,8 +15,6 @@ which depend on $x$, are solved inside (J2).
 **Assumes** that muscles, cords and brackets have no mass.
 """
 
-from typing import Any
-
 import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, minimum, where
@@ -78,7 +76,7 @@ def bundle_strains(plant: Plant, contractions: Numbers) -> Numbers:
     return 1 - (plant.distances - contractions[..., np.array(plant.sides)]) / plant.lengths
 
 
-def _residual(theta: tuple[Any, ...], contractions: Numbers) -> tuple[Numbers, Numbers]:
+def _residual(theta: tuple, contractions: Numbers) -> tuple[Numbers, Numbers]:
     """Residual of (J2) [m] and its slope [-], at `contractions` of the bundles [m]."""
     series, plant, contraction, P, chambers = theta
     eps = bundle_strains(plant, contractions)

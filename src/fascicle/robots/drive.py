@@ -20,7 +20,7 @@ documentation, "Simulation", on `mj_step1` and `mj_step2`.
 import warnings
 from collections.abc import Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -29,7 +29,7 @@ import numpy as np
 from ..core.array_namespace import array_namespace, maximum, where
 from ..core.errors import InvalidInputError
 from ..core.module import Module, static, to_numpy, with_fields
-from ..core.types import Batch, Numbers, Values
+from ..core.types import Batch, Marks, Numbers, PyTree, Values, Whole
 from ..core.validation import (
     HIGHEST_PRESSURE,
     check_finite,
@@ -53,7 +53,7 @@ from ..fluid.chamber import AbstractMassChamber
 from ..fluid.spools import validate_commands
 from .attach import Attached, Tendons, check_model
 from .compliance import NEWTON_STEPS, Series, bundle_strains
-from .optional_imports import mjx, mujoco
+from .optional_imports import Data, Model, mjx, mujoco
 from .tables import SoftEnds, TableWarning, status_message, table_status
 
 
@@ -68,10 +68,10 @@ class Fluid(NamedTuple):
     pressures: Numbers
     spool: Numbers
     supply: Numbers
-    inside: Any
+    inside: Marks
     contractions: Numbers
-    status: Any
-    consumption: Any
+    status: Whole
+    consumption: Batch
 
 
 class Drive(Module):
@@ -92,7 +92,7 @@ class Drive(Module):
     @classmethod
     def of(
         cls,
-        model: Any,
+        model: Model,
         attached: Sequence[Attached],
         supply: AbstractSupply | None = None,
         chamber: AbstractChamber | None = None,
@@ -208,18 +208,18 @@ class Drive(Module):
         # a slack muscle pulls with the rounding of its free length
         return where(np.array(self.series.slack), maximum(pull, 0.0), pull)
 
-    def _warn(self, status: Any, level: int) -> None:
+    def _warn(self, status: Whole, level: int) -> None:
         """Warn of units outside of their tables, at the caller's line, `level` frames up."""
         if np.any(status):
             # the words are the same each time, so that Python shows them once for a line of code
             text = f"The {self._describe(status)}. This is shown once."
             warnings.warn(text, TableWarning, stacklevel=level)
 
-    def _describe(self, status: Any) -> str:
+    def _describe(self, status: Whole) -> str:
         names = [self.tendons[side] for side in self.plant.sides]
         return status_message(self.plant.muscles, status, names)
 
-    def start(self, model: Any, data: Any, pressures: Values = 0.0) -> Fluid:
+    def start(self, model: Model, data: Data, pressures: Values = 0.0) -> Fluid:
         """Initial fluid [SI], of MuJoCo's `model` and `data`, at `pressures` [Pa] of all units, or
         of each; `InvalidInputError` for pressures above the muscles' tables.
         """
@@ -244,7 +244,9 @@ class Drive(Module):
         inside = xp.asarray(xp.all(status == 0))
         return Fluid(chambers, P, spool, supply, inside, x, status, xp.zeros(()))
 
-    def step(self, model: Any, data: Any, fluid: Fluid, command: Values, act: Any = None) -> Fluid:
+    def step(
+        self, model: Model, data: Data, fluid: Fluid, command: Values, act: Numbers | None = None
+    ) -> Fluid:
         """Step MuJoCo's `data` of a `model`: the fluid [SI] after it, from the `fluid` before it.
 
         `command`: of the valves, from -1 to 1 [-]; without valves, all units' pressures [Pa].
@@ -303,7 +305,9 @@ class Drive(Module):
         after = after._replace(pressures=P, inside=inside, contractions=x, status=status)
         return after, self._pull(P, x)
 
-    def step_mjx(self, model: Any, data: Any, fluid: Fluid, command: Numbers) -> tuple[Any, Fluid]:
+    def step_mjx(
+        self, model: Model, data: Data, fluid: Fluid, command: Numbers
+    ) -> tuple[Data, Fluid]:
         """MJX's data and fluid [SI] after one step, under `jit`, `vmap` and forward derivatives.
 
         MJX's `model` and `data`, and the `fluid` before the step [SI], best where the data are, by
@@ -317,14 +321,14 @@ class Drive(Module):
         return with_types(after, data), fluid
 
 
-def with_types(after: Any, before: Any) -> Any:
+def with_types(after: PyTree, before: PyTree) -> PyTree:
     """Data `after` a function of MJX with the types of those `before`: with 64 bits some whole
     numbers come back wider, which no loop accepts.
     """
     return jax.tree.map(lambda x, y: jnp.asarray(x, y.dtype), after, before)
 
 
-def _check_integrator(model: Any) -> None:
+def _check_integrator(model: Model) -> None:
     """Refuse a `model` stepped by Runge-Kutta: a pull constant through its stages makes energy."""
     if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
         remedy = "take Euler or implicitfast"

@@ -27,13 +27,14 @@ from gymnasium.spaces import Box
 from ..bundle import Bundle, MotorUnit
 from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
+from ..core.types import Numbers
 from ..core.validation import check_choice
 from ..fluid import ConstantSupply, Isothermal, SonicValve
 from ..muscle import Muscle
 from . import forked
 from .attach import attach
 from .drive import Drive
-from .optional_imports import mujoco
+from .optional_imports import Model, mujoco
 
 
 SUPPLY = 413.7e3  # Pa
@@ -75,7 +76,7 @@ class EnvironmentTask(NamedTuple):
     low: float
     high: float
 
-    def compile(self) -> tuple[Any, Drive]:
+    def compile(self) -> tuple[Model, Drive]:
         """MuJoCo's model, and its drive."""
         spec = mujoco.MjSpec.from_string(self.model)
         muscle = Muscle(0.127, 6.35e-3, 1.6e-3, np.deg2rad(33.0), "silicone_kim2021")
@@ -85,7 +86,9 @@ class EnvironmentTask(NamedTuple):
         parts = ConstantSupply(SUPPLY), Isothermal(dead_volume=2e-6), SonicValve(5e-10, 0.3)
         return model, Drive.of(model, attached, *parts, shape=(65, 81))
 
-    def observation(self, position: Any, speed: Any, target: Any, pressures: Any) -> Any:
+    def observation(
+        self, position: Numbers, speed: Numbers, target: Numbers, pressures: Numbers
+    ) -> Numbers:
         """`position`, `speed`, `target` [SI] and units' `pressures` [Pa], scaled to [-1, 1]."""
         xp = array_namespace(position, pressures)
         ways = [(x - self.middle) / self.reach for x in (position, target)]
@@ -98,7 +101,7 @@ def box(low: float, high: float, count: int) -> Box:
     return Box(low, high, (count,), np.float32)
 
 
-def check_action(action: Any, shape: tuple[int, ...]) -> np.ndarray:
+def check_action(action: Numbers, shape: tuple[int, ...]) -> np.ndarray:
     """An `action` [-] as floats, limited to [-1, 1]; refused where it isn't finite or of another
     `shape`.
     """
@@ -118,7 +121,10 @@ class Environment(gymnasium.Env):
     units [Pa], `forces` of the bundles, which pull [N], and the `air` drawn in the episode [kg].
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 100}
+    metadata: ClassVar[dict] = {
+        "render_modes": ["rgb_array", "human"],
+        "render_fps": 100,
+    }
     task: ClassVar[EnvironmentTask]
 
     def __init__(self, render_mode: str | None = None):
@@ -140,16 +146,16 @@ class Environment(gymnasium.Env):
         self._act = self.drive.act if forked() else jax.jit(self.drive.act)
         self._view: Any = None  # MuJoCo's viewer or renderer, once it is used
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict:
         return {name: value for name, value in vars(self).items() if name not in {"_act", "_view"}}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
+    def __setstate__(self, state: dict) -> None:
         vars(self).update(state)
         self._start()
 
     def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[np.ndarray, dict[str, Any]]:
+        self, *, seed: int | None = None, options: dict | None = None
+    ) -> tuple[np.ndarray, dict]:
         """Start an episode: `seed` of the target; `options` don't count. Returns the observation,
         and what is measured [SI].
         """
@@ -159,7 +165,7 @@ class Environment(gymnasium.Env):
         self.fluid = self.drive.start(self.model, self.data, START)
         return self._results()
 
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
         """One step of 10 ms with valves open by a finite `action` [-]: observation, reward, true if
         a muscle left its table, which ends the episode, false for a time limit, which is a
         wrapper's, and what is measured [SI].
@@ -171,7 +177,7 @@ class Environment(gymnasium.Env):
         observation, info = self._results()
         return observation, -error, not bool(self.fluid.inside), False, info
 
-    def _results(self) -> tuple[np.ndarray, dict[str, Any]]:
+    def _results(self) -> tuple[np.ndarray, dict]:
         """Observation [-] and what is measured [SI]; draws the window of the mode "human"."""
         if self.render_mode == "human":
             self.render()

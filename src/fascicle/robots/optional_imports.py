@@ -4,12 +4,13 @@ import contextlib
 import importlib
 import io
 from importlib import metadata
+from types import ModuleType
 from typing import Any
 
 from ..core.errors import require
 
 
-def mjx() -> Any:
+def mjx() -> ModuleType:
     """Import `mujoco.mjx`; raises `ModuleNotFoundError` if it is missing, `ImportError` if its
     version isn't MuJoCo's.
     """
@@ -28,4 +29,6 @@ def mjx() -> Any:
 
 
 require("mujoco")
-mujoco: Any = importlib.import_module("mujoco")
+mujoco = importlib.import_module("mujoco")
+# MuJoCo and MJX ship no types: `MjModel` or `MjSpec`, and `MjData`, or MJX's `Model` and `Data`
+Model = Data = Any

@@ -6,17 +6,21 @@ other sign for an actuator that pushes.
 """
 
 import itertools
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from ..core.errors import InvalidInputError
+from ..core.types import Numbers, Values, Whole
 from ..core.validation import check_choice, check_interval
-from .optional_imports import mujoco
+from .optional_imports import Model, mujoco
 
 
 _STEP = 1e-5  # rad or m, of central differences: the length is known to 1e-16 m
 _MOVES = 1e-6  # m/rad or m/m, the least moment arm that counts
+
+Ranges = dict[str, Sequence[Values]]  # ends of joints' coordinates by name [rad or m]
 
 
 class Route(NamedTuple):
@@ -45,7 +49,11 @@ class Route(NamedTuple):
 
 
 def trace_route(
-    model: Any, tendon: str, joint: str | None, ranges: dict[str, Any] | None, points: int
+    model: Model,
+    tendon: str,
+    joint: str | None,
+    ranges: Ranges | None,
+    points: int,
 ) -> Route:
     """Trace a `tendon` of MuJoCo's compiled `model` over `points` of each joint that moves it;
     arguments are those of `size`. `InvalidInputError` for unknown names, and joints without range.
@@ -54,7 +62,7 @@ def trace_route(
     index = names.index(check_choice(tendon, names, "tendon"))
     data = mujoco.MjData(model)
 
-    def length(addresses: Any, coordinates: Any) -> float:
+    def length(addresses: Whole, coordinates: Numbers) -> float:
         data.qpos[:] = model.qpos0
         data.qpos[addresses] = coordinates
         mujoco.mj_fwdPosition(model, data)
@@ -91,9 +99,7 @@ def trace_route(
     return Route(tuple(moving_joints), about, poses, lengths, arms, hinge, not fixed)
 
 
-def _joint_limits(
-    model: Any, joint: int, ranges: dict[str, Any] | None
-) -> tuple[float, float] | None:
+def _joint_limits(model: Model, joint: int, ranges: Ranges | None) -> tuple[float, float] | None:
     """Ends of a joint's coordinate [rad or m], from `ranges` or the model; `None` without any."""
     name = model.joint(joint).name
     hinge = int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_HINGE)
@@ -107,7 +113,9 @@ def _joint_limits(
     return float(low), float(high)
 
 
-def _moves(length: Any, address: int, limits: Any) -> bool:
+def _moves(
+    length: Callable[[int, float], float], address: int, limits: tuple[float, float] | None
+) -> bool:
     """True if a joint moves the tendon somewhere in its range."""
     low, high = limits or (-0.5, 0.5)
     # a wrapped tendon may leave a joint here and there

@@ -27,7 +27,8 @@ from ..files.measured_muscles import CatalogEntry
 from ..muscle import Muscle
 from ..repr_table import ReprTable, with_table_repr
 from .attach import check_model
-from .route import Route, trace_route
+from .optional_imports import Model
+from .route import Ranges, Route, trace_route
 
 
 _LONGEST = 8.0  # strokes, where no room is given: a longer muscle contracts by less than 12.5 %
@@ -121,13 +122,13 @@ class Sizing:
 
 
 def size(
-    model: Any,
+    model: Model,
     tendon: str,
     muscles: Any,
-    torque: Values | Callable[[np.ndarray], Any],
+    torque: Values | Callable[[np.ndarray], Values],
     pressure: Values,
     joint: str | None = None,
-    ranges: dict[str, Any] | None = None,
+    ranges: Ranges | None = None,
     points: int = 21,
     counts: Sequence[int] = (1, 2, 3, 4),
     margin: float = 0.2,
@@ -210,7 +211,7 @@ def size(
     return sizing
 
 
-def _named(muscles: Any) -> dict[str, Any]:
+def _named(muscles: Any) -> Mapping[str, Muscle | CatalogEntry]:
     """Muscles, or entries of the catalog, by name."""
     if isinstance(muscles, Muscle):
         return {"muscle": muscles}
@@ -228,12 +229,12 @@ def _named(muscles: Any) -> dict[str, Any]:
     return named
 
 
-def _muscle_of(entry: Any) -> Muscle:
+def _muscle_of(entry: Muscle | CatalogEntry) -> Muscle:
     """The muscle of an `entry` of the catalog, or itself."""
-    return getattr(entry, "muscle", entry)
+    return entry if isinstance(entry, Muscle) else entry.muscle
 
 
-def _demand(route: Route, torque: Any) -> np.ndarray:
+def _demand(route: Route, torque: Values | Callable[[np.ndarray], Values]) -> np.ndarray:
     """Torque that is asked for in each pose [N·m or N]."""
     values = torque(route.poses) if callable(torque) else torque
     unit = "N*m" if route.hinge else "N"

@@ -5,12 +5,11 @@ spring whose stiffness is the table's largest there. The law stiffens further: t
 """
 
 import enum
-from typing import Any
 
 import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, minimum, where
-from ..core.types import Numbers
+from ..core.types import Numbers, Whole
 from ..dynamics.muscles import AbstractMuscles, MuscleWrapper
 from ..muscle.table import MuscleState
 
@@ -64,7 +63,7 @@ class SoftEnds(MuscleWrapper):
         )
 
 
-def table_status(muscles: AbstractMuscles, pressures: Numbers, strains: Numbers) -> Any:
+def table_status(muscles: AbstractMuscles, pressures: Numbers, strains: Numbers) -> Whole:
     """A `TableStatus` of each unit of `muscles` at `pressures` [Pa] and `strains` [-]."""
     xp, (low, high) = array_namespace(pressures, strains), muscles.strains
     # NumPy's integers: of a Python's number a compiled step makes another type than its input's
@@ -74,7 +73,7 @@ def table_status(muscles: AbstractMuscles, pressures: Numbers, strains: Numbers)
     return xp.where(strains < low, stretched, status)
 
 
-def status_message(muscles: AbstractMuscles, status: Any, tendons: list[str]) -> str:
+def status_message(muscles: AbstractMuscles, status: Whole, tendons: list[str]) -> str:
     """Words for the first unit of `muscles` whose `status` isn't `INSIDE`, with its tendon's name
     in `tendons`.
     """

@@ -7,7 +7,7 @@ end the next step resets, whatever its action, as Gymnasium's own vector environ
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,7 +18,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ..core.errors import InvalidInputError
-from ..core.types import Values
+from ..core.types import Marks, Numbers, PyTree, Values
 from ..core.validation import check_interval, check_whole_number
 from .drive import Drive, Fluid, with_types
 from .environments import (
@@ -30,15 +30,15 @@ from .environments import (
     box,
     check_action,
 )
-from .optional_imports import mjx, mujoco
+from .optional_imports import Data, Model, mjx, mujoco
 
 
 class Episode(NamedTuple):
     """State of one environment: MJX's `data`, the `fluid` of its muscles, and its `goal`."""
 
-    data: Any
+    data: Data
     fluid: Fluid
-    goal: Any
+    goal: Numbers
 
 
 class VectorEnvironment(VectorEnv):
@@ -49,17 +49,17 @@ class VectorEnvironment(VectorEnv):
     cut after `max_episode_steps`.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
+    metadata: ClassVar[dict] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(
         self,
-        model: Any,
+        model: Model,
         drives: Drive | Sequence[Drive],
         num_envs: int,
-        begin: Callable[[np.random.Generator], tuple[Any, Any, Any]],
-        observe: Callable[[Episode], Any],
-        reward: Callable[[Episode, Any], Any],
-        measure: Callable[[Episode], dict[str, Any]] | None = None,
+        begin: Callable[[np.random.Generator], tuple[Numbers, Numbers, Numbers]],
+        observe: Callable[[Episode], Numbers],
+        reward: Callable[[Episode, Numbers], Numbers],
+        measure: Callable[[Episode], dict] | None = None,
         pressures: Values = 0.0,
         frames: int = 1,
         max_episode_steps: int = 1000,
@@ -112,8 +112,8 @@ class VectorEnvironment(VectorEnv):
         self._generators = [np_random(None)[0] for _ in range(self.num_envs)]
         self._steps = np.zeros(self.num_envs, int)
         self._over = np.ones(self.num_envs, bool)
-        self._goals: Any = None
-        self._state: Any = None
+        self._goals: Numbers = None
+        self._state: PyTree = None
         self._begin(self._over)
         width = self._results()[0].shape[1]
         self.single_action_space = box(-1.0 if self._valved else 0.0, 1.0, units)
@@ -122,8 +122,11 @@ class VectorEnvironment(VectorEnv):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[np.ndarray, dict[str, Any]]:
+        self,
+        *,
+        seed: int | list[int | None] | None = None,
+        options: dict | None = None,
+    ) -> tuple[np.ndarray, dict]:
         """Start an episode of each: `seed`s of the generators, or the first one of them. Returns
         observations, and what is measured [SI].
         """
@@ -137,7 +140,7 @@ class VectorEnvironment(VectorEnv):
 
     def step(
         self, actions: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict]:
         """One step of each with `actions` [-], rows of environments, which must be finite.
 
         **Returns:** observations, rewards, whether a muscle left its table, whether the time is up,
@@ -174,21 +177,21 @@ class VectorEnvironment(VectorEnv):
         first_state = self._start(self._drives, self._positions, self._speeds)
         self._state = jax.tree.map(choose, first_state, self._state)
 
-    def _start_one(self, drive: Drive, qpos: Any, qvel: Any) -> tuple[Any, Fluid]:
+    def _start_one(self, drive: Drive, qpos: Numbers, qvel: Numbers) -> tuple[Data, Fluid]:
         """Data and fluid of one environment as an episode begins."""
         data = self._blank.replace(qpos=qpos, qvel=qvel)
         data = with_types(self._engine.forward(self._physics, data), self._blank)
         return data, drive.fluid_at(data.actuator_length, self._pressures)
 
     def _step_one(
-        self, drive: Drive, data: Any, fluid: Fluid, goal: Any, action: Any, fresh: Any
-    ) -> tuple[Any, Any, Any]:
+        self, drive: Drive, data: Data, fluid: Fluid, goal: Numbers, action: Numbers, fresh: Marks
+    ) -> tuple[Numbers, Numbers, Numbers]:
         """State, reward, and whether all muscles are in their tables, after a step of one; a
         `fresh` one stays as it is.
         """
         command = action if self._valved else action * self._highest
 
-        def frame(carry: tuple[Any, Fluid], _: None) -> tuple:
+        def frame(carry: tuple[Data, Fluid], _: None) -> tuple:
             return drive.step_mjx(self._physics, carry[0], carry[1], command), None
 
         after = jax.lax.scan(frame, (data, fluid), length=self._frames)[0]
@@ -196,12 +199,12 @@ class VectorEnvironment(VectorEnv):
         value = jnp.where(fresh, 0.0, self._reward(Episode(data, fluid, goal), action))
         return (data, fluid), value, fluid.inside
 
-    def _view_one(self, data: Any, fluid: Fluid, goal: Any) -> tuple[Any, dict[str, Any]]:
+    def _view_one(self, data: Data, fluid: Fluid, goal: Numbers) -> tuple[Numbers, dict]:
         """Observation and measurements of one environment."""
         episode = Episode(data, fluid, goal)
         return jnp.asarray(self._observe(episode), jnp.float32), self._measure(episode)
 
-    def _results(self) -> tuple[np.ndarray, dict[str, Any]]:
+    def _results(self) -> tuple[np.ndarray, dict]:
         """Observations [-] and what is measured [SI]."""
         return jax.tree.map(np.asarray, self._view(*self._state, self._goals))
 
@@ -210,7 +213,7 @@ def _vector_of(
     kind: type[Environment],
     num_envs: int = 1,
     max_episode_steps: int = 200,
-    render_mode: Any = None,
+    render_mode: str | None = None,
 ) -> VectorEnvironment:
     """Environments of a single one's `kind`, with the same targets, observations and rewards."""
     if render_mode is not None:
@@ -218,18 +221,18 @@ def _vector_of(
     task = kind.task
     model, drive = task.compile()
 
-    def begin(generator: np.random.Generator) -> tuple[Any, Any, Any]:
+    def begin(generator: np.random.Generator) -> tuple[Numbers, Numbers, Numbers]:
         target = generator.uniform(task.low, task.high)
         return np.zeros(model.nq), np.zeros(model.nv), np.float64(target)
 
-    def observe(episode: Episode) -> Any:
+    def observe(episode: Episode) -> Numbers:
         data, fluid, target = episode
         return task.observation(data.qpos[0], data.qvel[0], target, fluid.pressures)
 
-    def reward(episode: Episode, _: Any) -> Any:
+    def reward(episode: Episode, _: Numbers) -> Numbers:
         return -jnp.abs(episode.data.qpos[0] - episode.goal) / task.reach
 
-    def measure(episode: Episode) -> dict[str, Any]:
+    def measure(episode: Episode) -> dict:
         data, fluid, target = episode
         forces = -data.actuator_force[np.array(drive.actuators)]
         info = {"position": data.qpos[0], "target": target, "pressures": fluid.pressures}
