@@ -12,6 +12,22 @@ def test_a_table_is_written_and_says_how_far_it_is_off(fascicle, tmp_path):
     assert said in " ".join(header.replace(" * ", " ").split())
 
 
+def test_a_joints_table_has_its_inverse(fascicle, refused, tmp_path):
+    arm = "export kim2021_figure_6 --moment-arm 30mm"
+    code, out, err = fascicle(*arm.split(), "--strain", "0.1", "--table", "code", "--name", "knee")
+    assert (code, err) == (0, "") and "The joint: torque" in out
+    header = (tmp_path / "code" / "knee.h").read_text()
+    assert "int knee_pressures(double angle, double torque, double stiffness" in header
+    other = "kim2021_bundle_1_4"
+    code, *_ = fascicle(*arm.split(), "--antagonist", other, "--table", "unlike", "--name", "knee")
+    assert code == 0
+    assert header != (tmp_path / "unlike" / "knee.h").read_text()
+    refused(f"{arm} --fmu knee.fmu")
+    refused(f"export kim2021_figure_6 --table more --antagonist {other}")
+    refused("export ramp_hand_over --table more --moment-arm 30mm")
+    refused("export kim2021_figure_6 --table more --moment-arm 30kg")
+
+
 def test_a_scenarios_controller_is_written_as_a_step(fascicle, tmp_path):
     from fascicle.files import example_text
 

@@ -1,7 +1,7 @@
 """`fascicle export`: a muscle or bundle for other programs, and as a page."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import fascicle as fs
 
@@ -11,7 +11,7 @@ from ..io import atomic
 from . import options
 from .errors import UserError, user_errors
 from .inputs import is_path, read_bundle, read_list, read_scenario, read_target
-from .options import Text, option
+from .options import Text, option, with_options
 from .outputs import Outputs, check_file, replace_output, write_text
 from .terminal import print_line, status
 
@@ -19,7 +19,19 @@ from .terminal import print_line, status
 _ENDINGS = {"--fmu": [".fmu"], "--page": [".html", ".htm"], "--opensim": [".xml"]}
 
 
+class JointSides(NamedTuple):
+    """Options of a joint that two muscles or bundles pull in opposite directions."""
+
+    moment_arm: Text = option(
+        "For --table: a joint that two of FILE pull, its arm (50mm).", "VALUE"
+    )
+    strain: Text = option("Contraction of both sides of the joint at the angle 0.", "VALUE")
+    antagonist: Text = option("Antagonist of the joint, if it isn't like FILE.", "FILE")
+
+
+@with_options("joint", JointSides)
 def export(
+    joint: JointSides,
     file: options.Target,
     units: options.Units = None,
     table: Text = option("Folder for force, volume and inverse as a table in C.", "FOLDER"),
@@ -45,15 +57,18 @@ def export(
 
     `--table` writes a table of force and volume, and reports its error; for a scenario with force
     control as FILE it adds one step of the controller. It has the inverse, `NAME_pressures`: the
-    pressures for a force and a strain, as `fascicle recruit` chooses. `--fmu`
-    packs that table for Simulink, OpenModelica and other hosts; without a C compiler for the
-    platform it holds sources only. `--page` writes one file with sliders for pressure and
-    contraction, which needs neither fascicle nor a network. Later changes of FILE don't change what
+    pressures for a force and a strain, as `fascicle recruit` chooses, or with `--moment-arm` those
+    for a joint's torque and stiffness. `--fmu` packs that table for Simulink, OpenModelica and
+    other hosts; without a C compiler for the platform it holds sources only. `--page` writes one
+    file with sliders for pressure and contraction, which needs neither fascicle nor a network.
+    Later changes of FILE don't change what
     was exported.
     """
     outputs = {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim}
     _check_outputs(table, outputs, pressure, overwrite)
     target = _read_exported(file, units, page is not None)
+    is_table = table is not None and not any(outputs.values())
+    tabulated = _as_joint(target, joint, is_table) if any(joint) else target
     from ..export.c_files import check_c_name
 
     if (values or opensim) and not isinstance(target, fs.Muscle):
@@ -87,7 +102,7 @@ def export(
         print_line(f"wrote {page}")
     if table is not None:
         with status("computing the table"), user_errors():
-            tables = exports.tabulate(target, precision)
+            tables = exports.tabulate(tabulated, precision)
             texts = tables.code(name)
             Path(table).mkdir(parents=True, exist_ok=True)
         # both are drafts until both are complete
@@ -140,6 +155,17 @@ def _read_exported(file: str, units: str | None, page: bool) -> Any:
 
     with user_errors():
         return single_bundle(scenario.plant)
+
+
+def _as_joint(target: Any, joint: JointSides, is_table: bool) -> fs.Joint:
+    """A joint of `target` and of its antagonist; `is_table`: that its table alone is written."""
+    if joint.moment_arm is None:
+        raise UserError("--strain and --antagonist are of a joint: give --moment-arm, too.")
+    if not is_table:
+        raise UserError("--moment-arm: a joint is written as a table: give --table alone.")
+    other = target if joint.antagonist is None else read_target(joint.antagonist)
+    with user_errors():
+        return fs.Joint(target, other, joint.moment_arm, joint.strain or 0.0)
 
 
 def _write_fmu(

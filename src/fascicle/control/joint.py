@@ -46,9 +46,9 @@ from .dip import unit_strain
 
 
 _STEP = 100.0  # Pa, of slopes: far above rounding, far below a fold
-_EDGE = 1e-9  # of a curve
+EDGE = 1e-9  # of a curve
 _STIFFEST = 1e12  # N·m/rad, stiffer than any joint
-_NODES = 33  # pressures that bracket a root, even in √P: the stiffness bends most at low pressure
+NODES = 33  # pressures that bracket a root, even in √P: the stiffness bends most at low pressure
 
 
 class JointStatus(IntEnum):
@@ -120,9 +120,12 @@ class Joint:
         status = np.where(excess[nearest, batch] < 0, *wrong)
         status = np.where(crossed, JointStatus.REACHED, status)
         # a torque that no pair of pressures gives: one of them full, the other empty
-        unreachable, full = ~feasible.any(axis=0), np.where(tau > 0, self._top, 0.0)
+        unreachable, full = ~feasible.any(axis=0), np.where(tau > 0, self.highest_pressure, 0.0)
         status = np.where(unreachable, JointStatus.TORQUE_OUT_OF_REACH, status)
-        P1, P2 = np.where(unreachable, full, P1), np.where(unreachable, self._top - full, P2)
+        P1, P2 = (
+            np.where(unreachable, full, P1),
+            np.where(unreachable, self.highest_pressure - full, P2),
+        )
         result = P1, P2, *self._evaluate(P1, P2, theta), status
         return JointPressures(*(np.reshape(row, rows[0].shape)[()] for row in result))
 
@@ -154,7 +157,7 @@ class Joint:
         return float(low), float(high)
 
     @property
-    def _top(self) -> float:
+    def highest_pressure(self) -> float:
         """Highest pressure [Pa]."""
         supplies = (self.agonist.supply_pressure, self.antagonist.supply_pressure)
         return min((float(P) for P in supplies if P is not None), default=HIGHEST_PRESSURE)
@@ -170,16 +173,16 @@ class Joint:
         at an `angle` [rad]: from where one of both is empty to where one is full. NaN if there is
         no such curve.
         """
-        empty, full = 0.0 * torque, 0.0 * torque + self._top
+        empty, full = 0.0 * torque, 0.0 * torque + self.highest_pressure
         excess = self._excess_torque
         low, high = (
             elementwise.find_root(excess, (empty, full), args=(antagonist, angle, torque)).x
             for antagonist in (empty, full)
         )
         low = np.where(excess(empty, empty, angle, torque) >= 0, 0.0, low)
-        high = np.where(excess(full, full, angle, torque) <= 0, self._top, high)
+        high = np.where(excess(full, full, angle, torque) <= 0, self.highest_pressure, high)
         # just inside: at an end itself rounding decides whether the antagonist's pressure exists
-        fraction = _EDGE + (1 - 2 * _EDGE) * np.linspace(0.0, 1.0, _NODES)[:, None] ** 2
+        fraction = EDGE + (1 - 2 * EDGE) * np.linspace(0.0, 1.0, NODES)[:, None] ** 2
         return low + fraction * (high - low)
 
     def _antagonist_pressure(self, agonist: Numbers, angle: Numbers, torque: Numbers) -> Numbers:
@@ -189,7 +192,7 @@ class Joint:
         arguments = np.broadcast_arrays(agonist, angle, torque)
         # an empty muscle pulls at least as much as a dip, so that the root on the rising branch is
         # the only one
-        ends = 0.0 * arguments[0], 0.0 * arguments[0] + self._top
+        ends = 0.0 * arguments[0], 0.0 * arguments[0] + self.highest_pressure
         return elementwise.find_root(
             lambda P2, P1, *demand: self._excess_torque(P1, P2, *demand), ends, args=arguments
         ).x

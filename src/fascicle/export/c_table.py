@@ -8,7 +8,8 @@ finds its roots and extrema exactly. The header states the error of the table.
 
 The inverse chooses as `Bundle.recruit` does, among recruitment states that are written as masks.
 `c/inverse_states.c` takes the first state that gives the force, or of states that aren't nested
-that of least fluid; `c/inverse_sets.c` has (B11), for units that have a pressure each.
+that of least fluid; `c/inverse_sets.c` has (B11), for units that have a pressure each. A joint's is
+in `joint_table`.
 """
 
 import os
@@ -25,7 +26,7 @@ from ..bundle.energetics import unit_volume_change
 from ..bundle.force_curves import ROOT_TOLERANCE, TIE
 from ..bundle.inverse import CLOSE
 from ..bundle.states import states_of
-from ..control import Cascade
+from ..control import Cascade, Joint
 from ..core.errors import InvalidInputError
 from ..core.module import unique_indices
 from ..core.types import Values
@@ -42,6 +43,7 @@ from .c_files import (
     table_strains,
 )
 from .controller import tabulate_controller, template_values
+from .joint_table import joint_values, stiffness_errors, stiffness_rounding
 
 
 # nodes in pressure and strain: of a computer and of a microcontroller
@@ -50,13 +52,14 @@ SHAPES = {"double": (65, 81), "float": (33, 41)}
 _VOLUME_STRAINS = np.array([0.05, 0.1, 0.2])
 _LOWEST = -101325.0  # Pa, vacuum in the standard atmosphere
 _ROUNDINGS = 12  # of a sum of six products in Hermite's form, for each of both coordinates
+_DIGITS = {"double": 2.0**-53, "float": 2.0**-24}  # relative rounding
 _EDGE = {"double": 1e-12, "float": 2.0**-22}  # relative margin of the highest pressure: rounding
 
 
 class BundleTables(NamedTuple):
     """Tables of a bundle: `surfaces` of its different muscles, the index of each unit's surface
     (`kinds`), its `counts` and `ratios` [-]; `errors` in words; `precision`, "double" or "float";
-    the `bundle`; a `controller` on them, or `None`.
+    the `target`, a bundle, or a joint of two, agonist's units first; a `controller`, or none.
     """
 
     surfaces: tuple[MuscleTable, ...]
@@ -65,15 +68,31 @@ class BundleTables(NamedTuple):
     ratios: tuple[float, ...]
     errors: str
     precision: str
-    bundle: Bundle
+    target: Bundle | Joint
     controller: Cascade | None = None
 
     @property
     def strains(self) -> tuple[float, float]:
-        """Limits of the plates' strain within all units' tables [-]."""
+        """Limits of the plates' strain [-], or a joint's angle [rad], within all units' tables."""
         ends = np.array([[float(x) for x in self.surfaces[k].strains] for k in self.kinds]).T
-        low, high = 1 - (1 - ends) / np.array(self.ratios)
+        begin, slope = self._plates
+        low, high = np.sort((1 - (1 - ends) / np.array(self.ratios) - begin) / slope, axis=0)
         return float(np.max(low)), float(np.min(high))
+
+    def unit_strains(self, strain: np.ndarray) -> np.ndarray:
+        """Strains of each unit's muscles [-] at a `strain` of the plates [-], or an angle [rad]."""
+        begin, slope = self._plates
+        return 1 - np.array(self.ratios)[:, None] * (1 - begin - slope[:, None] * strain)
+
+    @property
+    def _plates(self) -> tuple[float, np.ndarray]:
+        """Strain of each unit's plates [-] at the strain or angle 0, and its slope by that."""
+        joint = self.target
+        if not isinstance(joint, Joint):
+            return 0.0, np.ones(len(self.kinds))
+        first, second = joint.agonist, joint.antagonist
+        arms = joint.moment_arm / float(first.length), -joint.moment_arm / float(second.length)
+        return joint.strain, np.repeat(arms, [len(first.motor_units), len(second.motor_units)])
 
     @property
     def pressures(self) -> tuple[float, float]:
@@ -91,6 +110,12 @@ class BundleTables(NamedTuple):
     def highest_supply(self) -> float:
         """Highest supply pressure of the inverse [Pa]."""
         return float(f"{self.pressures[1]:.13g}")  # without the rounding of its root
+
+    @property
+    def roundings(self) -> np.ndarray:
+        """Errors of single precision in the force of each unit [N]."""
+        errors = [_rounding_error(self.surfaces[kind]) for kind in self.kinds]
+        return np.array(self.counts) * errors
 
     @property
     def limits_as_text(self) -> dict[str, str]:
@@ -113,9 +138,10 @@ class BundleTables(NamedTuple):
                 return f"{np.format_float_scientific(np.float32(value), trim='0')}f"
             return repr(float(value))
 
+        title = "A muscle" if len(self.kinds) == 1 else "A bundle of muscles"
         initializers = partial(c_array, number=number)
         values = {
-            "title": "A muscle" if len(self.kinds) == 1 else "A bundle of muscles",
+            "title": title,
             "version": __version__,
             "name": name,
             "guard": name.upper(),
@@ -138,25 +164,31 @@ class BundleTables(NamedTuple):
             "kind_of": c_array(self.kinds),
             "counts": initializers(self.counts),
             "ratios": initializers(self.ratios),
-            "controller": "",
-            "controller_source": "",
             **self.limits_as_text,
         }
-        meets = ROOT_TOLERANCE  # or the rounding of all muscles
-        if self.precision == "float":
-            errors = [_rounding_error(surfaces[kind]) for kind in self.kinds]
-            meets = float(np.dot(self.counts, errors))
-        values |= _inverse_code(self.bundle, self.highest_supply, meets, values, number)
-        values["curves"] = render_template("table_curves.c", values)
+        # or the rounding of all muscles
+        meets = float(np.sum(self.roundings)) if self.precision == "float" else ROOT_TOLERANCE
+        values |= {"meets": number(meets), "inverse_top": number(self.highest_supply)}
+        values["digits"] = number(4 * _DIGITS[self.precision])
+        values["cubics"] = render_template("cubics.c", values)
+        if isinstance(self.target, Joint):
+            kind, values["title"] = "joint", "A joint that two muscles or bundles pull"
+            values |= joint_values(self.target, number)
+        else:
+            kind, values["controller"], values["controller_source"] = "bundle", "", ""
+            values |= _inverse_code(self.target, self.highest_supply, meets, values, number)
+            values["curves"] = render_template("table_curves.c", values)
         if self.controller is not None:
             values |= template_values(self.controller, values, number)
             values["controller"] = render_template("controller.h", values)
             values["controller_source"] = render_template("controller.c", values)
+        values["functions"] = render_template(f"{kind}.h", values)
+        values["functions_source"] = render_template(f"{kind}.c", values)
         return render_template("table.h", values), render_template("table.c", values)
 
 
 def table_code(
-    target: Muscle | Bundle | Cascade,
+    target: Muscle | Bundle | Joint | Cascade,
     name: str = "muscle",
     precision: str = "double",
     highest_pressure: Values = None,
@@ -166,8 +198,9 @@ def table_code(
 
     **Arguments:**
 
-    - `target`: a muscle or bundle with numbers, not arrays; or a `Cascade` that controls a bundle's
-      force on gas by any policy but "batch", whose step is written as well.
+    - `target`: a muscle or bundle with numbers, not arrays; a `Joint` of two of them; or a
+      `Cascade` that controls a bundle's force on gas by any policy but "batch", whose step is
+      written as well.
     - `name`: prefix of all names in C.
     - `precision`: type of numbers in C, "double" or "float".
     - `highest_pressure`: gauge [Pa]; default: the bundle's supply pressure, or 1 MPa.
@@ -179,7 +212,7 @@ def table_code(
 
 
 def write_table(
-    target: Muscle | Bundle | Cascade,
+    target: Muscle | Bundle | Joint | Cascade,
     folder: str | os.PathLike[str],
     name: str = "muscle",
     precision: str = "double",
@@ -199,7 +232,7 @@ def write_table(
 
 
 def tabulate(
-    target: Muscle | Bundle | Cascade,
+    target: Muscle | Bundle | Joint | Cascade,
     precision: str = "double",
     highest_pressure: Values = None,
     shape: tuple[int, int] | None = None,
@@ -214,18 +247,24 @@ def tabulate(
         plant = controller.plant
         top = np.max(plant.muscles.highest_pressure)
         return tabulate(plant.bundles[0], precision, top, shape)._replace(controller=controller)
-    bundle = concrete_bundle(target)
-    units = bundle.motor_units
+    if isinstance(target, Joint):
+        bundles = [concrete_bundle(side) for side in (target.agonist, target.antagonist)]
+        supply = target.highest_pressure
+    else:
+        bundles = [target := concrete_bundle(target)]
+        supply = target.supply_pressure
+    units = [unit for bundle in bundles for unit in bundle.motor_units]
     if highest_pressure is None:
-        supply = bundle.supply_pressure
         highest_pressure = HIGHEST_PRESSURE if supply is None else supply
     indices, kinds = unique_indices([unit.muscle for unit in units])
-    muscles, strains = [units[i].muscle for i in indices], table_strains(bundle)
     limits = (0.0, HIGHEST_PRESSURE, "highest_pressure", "Pa")
     top = check_interval(highest_pressure, *limits, closed=(False, True))
+    strains = [ends for bundle in bundles for ends in table_strains(bundle)]
+    ratios = tuple(ratio for bundle in bundles for ratio in length_ratios(bundle))
+    muscles = [units[i].muscle for i in indices]
     surfaces = tuple(units[i].muscle.table(top, strains[i], shape) for i in indices)
     counts = tuple(int(unit.count) for unit in units)
-    tables = BundleTables(surfaces, kinds, counts, length_ratios(bundle), "", precision, bundle)
+    tables = BundleTables(surfaces, kinds, counts, ratios, "", precision, target)
     return tables._replace(errors=_error_text(tables, muscles))
 
 
@@ -267,11 +306,23 @@ def _error_text(tables: BundleTables, muscles: Sequence[Muscle]) -> str:
         f" (largest);\nvolume {volume[0]:.1g} mL (median), {volume[1]:.1g} mL (99th percentile),"
         f" {volume[2]:.2g} mL (largest)."
     )
+    largest, joint = _bundle_error(tables, muscles), tables.target
     if np.sum(tables.counts) > 1:
-        text += f"\nAll muscles together: force {_bundle_error(tables, muscles):.2g} N (largest)."
+        text += f"\nAll muscles together: force {largest:.2g} N (largest)."
+    if isinstance(joint, Joint):
+        median, most, stiffness = stiffness_errors(tables, joint, muscles)
+        text += (
+            f"\nThe joint: torque {joint.moment_arm * largest:.2g} N m (largest); stiffness, valves"
+            f" open, {median:.1g} N m/rad (median),\n{most:.1g} N m/rad (99th percentile),"
+            f" {stiffness:.2g} N m/rad (largest)."
+        )
     if tables.precision == "float":
-        rounding = max(map(_rounding_error, tables.surfaces))
-        text += f"\nIts rounding adds up to {rounding:.1g} N."
+        text += f"\nIts rounding adds up to {max(map(_rounding_error, tables.surfaces)):.1g} N"
+        if isinstance(joint, Joint):
+            torque = joint.moment_arm * np.sum(tables.roundings)
+            stiffness = stiffness_rounding(tables, joint)
+            text += f", of the joint to {torque:.1g} N m and {stiffness:.1g} N m/rad"
+        text += "."
     return text
 
 
@@ -280,10 +331,9 @@ def _bundle_error(tables: BundleTables, muscles: Sequence[Muscle]) -> float:
     all its muscles, whatever their pressures, add up.
     """
     columns = tables.surfaces[0].coefficients.shape[1]
-    strain = np.linspace(*tables.strains, 4 * columns + 1)
-    errors = np.zeros_like(strain)
-    for kind, count, ratio in zip(tables.kinds, tables.counts, tables.ratios, strict=True):
-        unit_strain = 1 - ratio * (1 - strain)
+    strains = tables.unit_strains(np.linspace(*tables.strains, 4 * columns + 1))
+    errors = np.zeros(strains.shape[1])
+    for kind, count, unit_strain in zip(tables.kinds, tables.counts, strains, strict=True):
         law = muscles[kind].law
         errors += count * force_error_by_strain(tables.surfaces[kind], law, unit_strain)
     return float(np.max(errors))
@@ -311,8 +361,6 @@ def _inverse_code(
     values = names | {
         "scheme": bundle.scheme.name,
         "inverse_highest": f"{highest:.0f}",
-        "inverse_top": number(highest),
-        "meets": number(meets),
         "meets_text": f"{meets:.1g}",
         "tie": number(max(TIE, meets / 2)),
         "close": number(CLOSE),

@@ -1,10 +1,4 @@
 
-/* the inverse: forces over pressure at one strain */
-#define NODES (LINES + 1)
-#define ROOT_STEPS 60 /* at most: bisection alone takes as many for all digits */
-
-static const real inverse_top = @inverse_top@; /* [Pa] */
-static const real meets = @meets@;             /* [N]: a force this near to the demand meets it */
 static const real tie = @tie@;                 /* [N]: forces this near to each other are equal */
 static const int unit_of[KINDS] = {@first_units@}; /* the first unit of each kind */
 
@@ -19,10 +13,6 @@ typedef struct {
     real pressure, excess;
     int meets;
 } solution;
-
-static real smaller(real a, real b) { return a < b ? a : b; }
-static real larger(real a, real b) { return a > b ? a : b; }
-static real size(real x) { return x < 0 ? -x : x; }
 
 static int inside_inverse(real force, real strain, real supply)
 {
@@ -57,8 +47,6 @@ static void fill_curves(curves *at, real strain, real supply)
     }
 }
 
-static real cubic(const real c[4], real u) { return ((c[3] * u + c[2]) * u + c[1]) * u + c[0]; }
-
 /* where a cubic turns between 0 and `end`, in order; returns how often */
 static int turns(const real c[4], real end, real turn[2])
 {
@@ -76,27 +64,8 @@ static int turns(const real c[4], real end, real turn[2])
     return count;
 }
 
-/* the zero of a cubic that changes its sign once between a and b: Newton's method, or a half */
-static real zero(const real c[4], real a, real b)
-{
-    const int rises = cubic(c, b) > 0;
-    real x = (a + b) / 2, next;
-    int n;
-
-    for (n = 0; n < ROOT_STEPS; n++) {
-        const real value = cubic(c, x), slope = (3 * c[3] * x + 2 * c[2]) * x + c[1];
-
-        if ((value > 0) == rises) b = x; else a = x;
-        next = slope != 0 ? x - value / slope : a;
-        if (!(next > a && next < b)) next = (a + b) / 2;
-        if (next == x) break;
-        x = next;
-    }
-    return x;
-}
-
 /* the lowest pressure at which so many muscles of each kind give a force; else that of the nearest
- * force. In each cell of the table the force is one cubic. */
+ * force */
 static solution search(const curves *at, const real count[KINDS], real force)
 {
     const real h = root_step[0], line = h * h;
@@ -121,23 +90,19 @@ static solution search(const curves *at, const real count[KINDS], real force)
     bound = larger(bound + tie, meets);
     for (i = 0; i < LINES && (real)(i * i) * line < at->supply; i++) {
         const real stop = (real)((i + 1) * (i + 1)) * line;
-        const real by_start = i ? 2 * (real)i * line : line;
-        const real by_stop = i ? 2 * (real)(i + 1) * line : line;
-        const real f = excess_at[i], f_slope = by_start * slope_at[i];
-        const real g = excess_at[i + 1], g_slope = by_stop * slope_at[i + 1];
-        const real f_b = f + f_slope / 3, g_b = g - g_slope / 3;
-        real end = 1, stops[4], c[4];
+        real end = 1, stops[4], c[4], f, g, f_b, g_b;
         int count_stops = 1;
 
+        cell_cubic(excess_at, slope_at, i, c);
+        f = c[0];
+        g = excess_at[i + 1];
+        f_b = f + c[1] / 3;
+        g_b = g - (c[1] + 2 * c[2] + 3 * c[3]) / 3;
         /* a cubic lies between the least and the largest of its Bezier ordinates: skip a cell that
          * holds nothing as near as a node, or nothing nearer than what is found */
         bound = smaller(bound, size(best.excess));
         if (smaller(smaller(f, f_b), smaller(g, g_b)) >= bound) continue;
         if (larger(larger(f, f_b), larger(g, g_b)) <= -bound) continue;
-        c[0] = f;
-        c[1] = f_slope;
-        c[2] = 3 * (g - f) - 2 * f_slope - g_slope;
-        c[3] = 2 * (f - g) + f_slope + g_slope;
         if (stop > at->supply) end = i ? @sqrt@(at->supply) / h - (real)i : at->supply / line;
         stops[0] = 0;
         count_stops += turns(c, end, stops + 1);
