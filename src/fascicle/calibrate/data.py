@@ -219,8 +219,6 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
         left_out = {"on ramps between sweeps": ramps}
         note = f"{ramps} readings of ramps between sweeps left out of the fit"
         record, branch, at_ceiling = record.only(~ramp, note), branch[~ramp], at_ceiling[~ramp]
-    if len(record.sources) > 1 and record.time is not None and np.any(np.diff(record.time) < 0):
-        record = replace(record, time=None)  # a clock that starts anew in each file shows no drift
     facts: dict[str, Any] = {"read": read, "left_out": left_out, "faults": faults}
     facts |= {"at_ceiling": at_ceiling if np.any(at_ceiling) else None}
     record = replace(record, branch=branch)
@@ -324,7 +322,7 @@ def fit_table(
     censored = mean(record.censored) > 0.5
     grid = Grid(pressure, mean(record.strain), mean(record.force), count, censored)
     time = np.full(shape, np.nan)
-    if record.time is not None:
+    if record.time is not None and record.has_one_clock:  # several clocks show no drift
         start = float(np.min(record.time)) if previous is None else previous.gauge.start
         time = np.where(count > 0, mean(record.time), np.nan)
         grid = replace(grid, elapsed=np.where(count > 0, time - start, 0.0))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core.findings import Finding, Severity
 from .calibration import Calibration, rms
+from .gauges import drift_confounders
 from .model_selection import Selection
 
 
@@ -86,6 +87,10 @@ def _of_coverage(calibration: Calibration) -> Iterator[Finding]:
     levels = grid.measured.any(axis=1)
     if np.sum(levels) == 1:
         yield _warning("coverage.one_pressure", pressure=float(grid.pressure[levels][0, 0]))
+    drift_is_known = "force_drift" in {*calibration.gauge.faults, *calibration.names}
+    confounders = [] if drift_is_known else drift_confounders(calibration.record)
+    if confounders and "force" not in calibration.record.zeroed:
+        yield _note("coverage.drift_confounded", confounders=confounders)
     names = [name for name in calibration.names if name in _AFTER_COLLAPSE]
     if calibration.fit_data.pulls or not np.any(past):
         yield _note("coverage.no_resistance")

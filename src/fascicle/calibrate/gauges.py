@@ -28,7 +28,7 @@ import numpy as np
 from ..core.module import to_numpy
 from ..core.types import Batch
 from ..muscle import Muscle
-from ..records.record import Record
+from ..records.record import DOWN, UP, Record
 
 
 VENTED = 0.01  # of the highest pressure: below it a transducer shows its zero, not a setpoint
@@ -160,7 +160,7 @@ def _read_load_cell(
     first = order[: int(np.argmin(CLEAR * noise / np.sqrt(size) + range_width)) + 1]
     push = _STIFFER * straight * strain[first]
     basis, names = np.ones((first.size, 1)), ["force_zero"]
-    if record.time is not None:
+    if record.time is not None and record.has_one_clock:
         elapsed = record.time[first] - np.min(record.time)
         if np.ptp(elapsed) > _APART * np.ptp(record.time) > 0:
             basis, names = np.insert(basis, 1, elapsed, axis=1), [*names, "force_drift"]
@@ -177,6 +177,24 @@ def _read_load_cell(
     values = dict(zip(names, middle.tolist(), strict=True))
     zeros = {name: values[name] for name, sure in zip(names, clear, strict=True) if sure}
     return zeros, dict(zip(names, deviation.tolist(), strict=True))
+
+
+def drift_confounders(record: Record) -> list[str]:
+    """Groups, "branch" or "file", each of which has its own time: a drift is the same as friction
+    then, or as another zero in each file.
+    """
+    if record.time is None or not record.has_one_clock:
+        return []
+    names, limit = [], float(np.std(record.time))
+    for name, groups, group in (
+        ("branch", (UP, DOWN), record.branch),
+        ("file", range(len(record.sources)), record.file),
+    ):
+        times = [record.time[group == each] for each in groups]
+        means = [float(np.mean(time)) for time in times if time.size]
+        if len(means) > 1 and np.ptp(means) > limit:
+            names.append(name)
+    return names
 
 
 def reading_noise(force: np.ndarray) -> float:

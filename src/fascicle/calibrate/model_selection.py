@@ -22,7 +22,7 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..muscle import Muscle
 from ..muscle.materials import MooneyRivlin
-from ..records.record import DOWN, UP, Record
+from ..records.record import Record
 from .calibration import Calibration, largest_force, rms
 from .data import MIN_PUSHES, FitData, Grid, pulling_only, select_fit_data, thin
 from .diagnostics import force_slopes_of, project_out, span
@@ -36,7 +36,7 @@ from .fitting import (
     set_up_problem,
     starts_of,
 )
-from .gauges import CLEAR, reading_noise
+from .gauges import CLEAR, drift_confounders, reading_noise
 from .least_squares import KNOWN, NORMAL, ROUGH, Problem, loop_force, solve, solve_with_noise
 from .parameters import (
     FACTOR_NAMES,
@@ -264,20 +264,16 @@ def left_out_force(calibration: Calibration) -> np.ndarray:
 
 def possible_gauge_errors(data: FitData) -> list[str]:
     """Zeros that a record's gauges may have beside those that it shows at rest, and a drift where
-    time runs on over several sweeps of each direction.
+    time runs on over several sweeps of each direction, and of each file.
     """
     if data.reads_contraction:
         return []
     channels = (channel for channel in ("force", "pressure") if channel not in data.record.zeroed)
     names = [f"{channel}_zero" for channel in channels]
-    time = data.record.time
-    if time is None or "force" in data.record.zeroed or np.ptp(time) <= 0:
-        return names
-    # a drift is confounded with friction where each direction has its own time
-    times = [time[data.record.branch == side] for side in (UP, DOWN)]
-    means = [float(np.mean(x)) for x in times if x.size]
-    in_turn = len(means) == 2 and abs(means[0] - means[1]) > np.std(time)
-    return names if in_turn else [*names, "force_drift"]
+    may_drift = data.record.has_one_clock and np.ptp(data.grid.elapsed) > 0
+    if may_drift and "force" not in data.record.zeroed and not drift_confounders(data.record):
+        names.append("force_drift")
+    return names
 
 
 def candidate_sets(

@@ -91,7 +91,8 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         isometric += [level[0].kind == "strain"] * len(piece)
     columns = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in COLUMNS}
     note = f"hysteresis averaged: {loops} of {len(pieces)} levels have both branches"
-    half_way = replace(record, **columns, time=None, moment_arm=None, notes=(*record.notes, note))
+    columns |= {"time": None, "moment_arm": None, "file": None}
+    half_way = replace(record, **columns, notes=(*record.notes, note))
     width, is_isometric = np.concatenate(widths), np.array(isometric)
     if np.nansum(width[is_isometric]) < 0:
         width[is_isometric] *= -1
@@ -165,7 +166,7 @@ def _half_way(
         "censored": np.maximum(clipped_up, clipped_down) > 0,
         "branch": np.full(grid.size, UNKNOWN, dtype=np.int8),
     }
-    return replace(record, **arrays, time=None, moment_arm=None), F_down - F_up
+    return replace(record, **arrays, time=None, moment_arm=None, file=None), F_down - F_up
 
 
 def _values_on_grid(grid: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:

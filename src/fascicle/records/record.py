@@ -39,7 +39,7 @@ class Record:
     - `force`: pulling force [N].
     - `censored`: flags of readings that are only upper bounds.
     - `branch`: 1 inflating or contracting, −1 deflating or extending, 0 unknown.
-    - `time`: [s], or `None`.
+    - `time`: [s], or `None`; `file`: of several, the index of each reading's file, or `None`.
     - `rest_length`: reference length of the strains [m], or `None` if only strains were given.
     - `moment_arm`: of the muscle on the joint whose torque was measured [m], or `None`.
     - `synthetic`: true for readings of a model.
@@ -63,6 +63,7 @@ class Record:
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     zeroed: tuple[str, ...] = ()
+    file: np.ndarray | None = None
 
     @classmethod
     def of(
@@ -111,6 +112,13 @@ class Record:
     def __len__(self) -> int:
         return self.force.size
 
+    @property
+    def has_one_clock(self) -> bool:
+        """Times are known, and don't start anew in each of several files."""
+        if self.time is None:
+            return False
+        return len(self.sources) < 2 or bool(np.all(np.diff(self.time) >= 0))
+
     def only(self, selection: Any, *notes: str) -> "Record":
         """Record of selected readings alone.
 
@@ -121,7 +129,7 @@ class Record:
 
         **Returns:** the selected readings.
         """
-        columns = {name: getattr(self, name) for name in (*COLUMNS, *OPTIONAL_COLUMNS)}
+        columns = {name: getattr(self, name) for name in (*COLUMNS, *OPTIONAL_COLUMNS, "file")}
         arrays = {name: x[selection] for name, x in columns.items() if x is not None}
         return replace(self, **arrays, notes=(*self.notes, *notes), doubts=(*self.doubts, *notes))
 
@@ -150,6 +158,7 @@ def join(records: Sequence[Record]) -> Record:
         arrays[name] = None if is_missing else np.concatenate(columns)
     notes = [note for record in records for note in record.notes]
     doubts = [note for record in records for note in record.doubts]
+    arrays["file"] = np.repeat(np.arange(len(records)), [len(record) for record in records])
     return replace(
         records[0],
         **arrays,

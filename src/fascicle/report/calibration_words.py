@@ -91,6 +91,10 @@ _CAUSES = {
     "braid_angle": ("a wrong braid angle", ""),
     "outer_radius": ("a wrong radius", ""),
 }  # fmt: skip
+_CONFOUNDERS = {
+    "branch": "friction, as each direction was measured in its own time",
+    "file": "another zero in each file, as each was measured in its own time",
+}
 _SHAPES = {
     "free_strain": "The free strain over the law's is no polynomial of order 3 or less",
     "blocked_force": "The blocked force is not linear in pressure",
@@ -623,6 +627,10 @@ _CATALOGUE: dict[str, tuple[int, Part, Part]] = {
         8, lambda data: f"{_SHAPES[data['curve']]} within the errors of its readings"
         f" ({data['ratio']:.3g} times them): the smooth curve misses some of them, and its"
         " uncertainty is increased.", ""),
+    "coverage.drift_confounded": (
+        9, lambda data: "A drift of the load cell can't be distinguished from "
+        + " or ".join(_CONFOUNDERS[name] for name in data["confounders"]) + ".",
+        "measure the first pressure again at the end, in the same file"),
     "use.no_loop": (
         7, "Measured in one direction, or in an unknown one: a muscle in use has a hysteresis loop"
         " of friction, which these errors do not contain.",

@@ -10,12 +10,12 @@ import fascicle as fs
 from fascicle.calibrate import Gauge, Prior, fit
 from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.findings import calibration_findings
-from fascicle.calibrate.gauges import PERFECT, channel_faults, read_vented
-from fascicle.calibrate.model_selection import select_model
+from fascicle.calibrate.gauges import PERFECT, channel_faults, drift_confounders, read_vented
+from fascicle.calibrate.model_selection import possible_gauge_errors, select_model
 from fascicle.core.module import with_fields
 from fascicle.files.calibration_files import calibrated_files, provenance_of
 from fascicle.records import VirtualDynamometer
-from fascicle.records.record import Record
+from fascicle.records.record import Record, Source, join
 from fascicle.report.calibration_figures import fit_plot
 from gauge_bench import MUSCLE, TRUTH, bench_record
 
@@ -209,3 +209,41 @@ def test_zeros_are_found_beside_a_loop_that_builds_up_after_turns():
     for name, truth in (("force_zero", 5.0), ("pressure_zero", 2e3)):
         assert estimates[name].low < truth < estimates[name].high
     assert abs(estimates["force_zero"].value - 5.0) < 1.0
+
+
+def drifting_record(clock, sources):
+    """Sweeps both ways at four pressures in two halves, the second after an hour on one clock, or
+    with a clock of its own; whole sweeps in each half, or one direction in each (`"branch"`).
+    """
+    halves = []
+    for half in range(2):
+        rows, time = [], 3600.0 * half * (clock != "own")
+        for P in (1e5, 2e5, 3e5, 4e5):
+            for way in (1, -1) if clock != "branch" else (1, 1) if half == 0 else (-1, -1):
+                strain = np.linspace(0.0, 0.2, 25)[::way]
+                pull = np.asarray(MUSCLE.law.tension.force(P, strain)) - 2.0 * way + half / 10
+                rows += zip([P] * 25, strain, pull, time + np.arange(25.0), [way] * 25, strict=True)
+                time += 30.0
+        P, strain, force, time, branch = np.array(rows).T
+        source = (Source(f"{half if sources == 2 else 0}.csv", "0" * 64),)
+        halves.append(
+            Record.of(P, strain, force, branch=branch, time=time, rest_length=0.2, sources=source)
+        )
+    if sources == 2:
+        return join(halves)
+    return replace(join(halves), sources=halves[0].sources, file=None)
+
+
+@pytest.mark.parametrize(("clock", "sources", "confounders"), [
+    ("one", 1, []), ("one", 2, ["file"]), ("branch", 1, ["branch"]),
+    ("branch", 2, ["branch", "file"]), ("own", 2, []),
+])  # fmt: skip
+def test_a_drift_needs_a_time_that_no_branch_or_file_has_alone(clock, sources, confounders):
+    record = drifting_record(clock, sources)
+    data = select_fit_data(record, MUSCLE)
+    assert drift_confounders(data.record) == confounders
+    is_candidate = "force_drift" in possible_gauge_errors(data)
+    assert is_candidate == (clock == "one" and sources == 1)
+    fitted = fit(record, MUSCLE, ["c10"], whole=False)
+    codes = {finding.code: finding.data for finding in calibration_findings(fitted)}
+    assert codes.get("coverage.drift_confounded", {}).get("confounders", []) == confounders

@@ -1,5 +1,7 @@
 """A scenario takes the friction that a calibration found; one without any runs to the bit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -10,7 +12,7 @@ from fascicle.calibrate.findings import calibration_findings
 from fascicle.dynamics import Damping, MaxwellSlip
 from fascicle.files import load_scenario, loads_scenario
 from fascicle.files.calibration_files import provenance_of
-from fascicle.records import Record, VirtualDynamometer
+from fascicle.records import Record, Source, VirtualDynamometer, join
 from fascicle.report.calibration_words import damping_message
 
 
@@ -104,8 +106,14 @@ def two_speeds(speeds):
 DAMPING = '[damping]\nkind = "measured"\n'
 
 
-def test_plant_has_the_measured_damping_beside_springs_without_it(tmp_path):
-    calibration = fit(two_speeds([5e-3, 50e-3]), NOMINAL, ["c10"], whole=False)
+@pytest.mark.parametrize("files", [1, 2])
+def test_plant_has_the_measured_damping_beside_springs_without_it(files, tmp_path):
+    record = two_speeds([5e-3, 50e-3])
+    if files == 2:  # each with a clock of its own
+        parts = [two_speeds([speed]) for speed in (5e-3, 50e-3)]
+        named = [replace(x, sources=(Source(f"{i}", "0" * 64),)) for i, x in enumerate(parts)]
+        record = join(named)
+    calibration = fit(record, NOMINAL, ["c10"], whole=False)
     fs.save(calibration.muscle, tmp_path / "muscle.toml", provenance_of(calibration, "2026-11-22"))
     scenario = loads_scenario(SCENARIO.replace("[run]", f"{DAMPING}[run]"), folder=tmp_path)
     law, fitted = scenario.plant.damping, calibration.damping.law

@@ -84,7 +84,7 @@ def test_the_schema_in_the_docs_is_the_code_s():
     path = ROOT / f"docs/_static/{SCHEMA.replace('/', '-')}.schema.json"
     assert json.loads(path.read_text()) == records.json_schema()
     described = set(records.json_schema()["properties"])
-    of_reading = {"doubts", "zeroed"}
+    of_reading = {"doubts", "zeroed", "file"}
     assert described == {"schema", *(f.name for f in fields(records.Record))} - of_reading
 
 
