@@ -27,7 +27,6 @@ from ..bundle.force_curves import ROOT_TOLERANCE, TIE
 from ..bundle.inverse import CLOSE
 from ..bundle.states import states_of
 from ..control import Cascade, Joint
-from ..core.errors import InvalidInputError
 from ..core.module import unique_indices
 from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_choice, check_interval
@@ -42,7 +41,7 @@ from .c_files import (
     render_template,
     table_strains,
 )
-from .controller import tabulate_controller, template_values
+from .controller import ROUNDED_COMMANDS, tabulate_controller, template_values
 from .joint_table import joint_values, stiffness_errors, stiffness_rounding
 
 
@@ -146,7 +145,7 @@ class BundleTables(NamedTuple):
             "name": name,
             "guard": name.upper(),
             "real": self.precision,
-            "sqrt": "sqrtf" if self.precision == "float" else "sqrt",
+            **{name: name + "f" * (self.precision == "float") for name in ("sqrt", "pow")},
             "units": len(self.kinds),
             "kinds": len(surfaces),
             "lines": lines,
@@ -241,12 +240,12 @@ def tabulate(
     check_choice(precision, SHAPES, "precision")
     shape = shape or SHAPES[precision]
     if isinstance(target, Cascade):
-        if precision == "float":
-            raise InvalidInputError("precision", "must be double of a controller", precision)
         controller = tabulate_controller(target, shape)
         plant = controller.plant
         top = np.max(plant.muscles.highest_pressure)
-        return tabulate(plant.bundles[0], precision, top, shape)._replace(controller=controller)
+        tables = tabulate(plant.bundles[0], precision, top, shape)
+        errors = tables.errors + ROUNDED_COMMANDS * (precision == "float")
+        return tables._replace(errors=errors, controller=controller)
     if isinstance(target, Joint):
         bundles = [concrete_bundle(side) for side in (target.agonist, target.antagonist)]
         supply = target.highest_pressure

@@ -16,7 +16,7 @@ from ..control import Cascade
 from ..control.branches import Branches
 from ..control.controller import RATE_FILTER
 from ..control.policies import TOLERANCE, HandOverPolicy, SequentialPolicy
-from ..control.units import CHORD, CLOSE, LATE, SLACK
+from ..control.units import ABOVE, CHORD, CLOSE, LATE, SLACK
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers
 from ..dynamics import Plant
@@ -29,6 +29,10 @@ from .c_files import c_array, render_template, table_strains
 
 # chambers whose content the C code computes
 _CHAMBERS = (Isothermal, AdiabaticWall)
+# of one controller, in a test: without a compiler there is no figure of each one's own
+ROUNDED_COMMANDS = """
+Its valves' commands are off by up to 3e-4 of a full opening, measured against double precision
+in 20 random ramps of "hand_over" for one and four muscles, at equal measurements."""
 
 
 def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
@@ -106,6 +110,7 @@ def template_values(
         "pressure_time": number(gains.pressure_time),
         "flow_limit": number(controller.flow_limit),
         "band": number(policy.band),
+        "above": number(ABOVE),
         "parked": int(_c_policy(controller) == "threshold"),
         "room": initializers(chamber.room_pressure),
         "dead": initializers(chamber.dead_volume),

@@ -1,6 +1,7 @@
 """A cascade's step in C is Python's, step by step."""
 
 import ctypes
+import re
 
 import jax
 import numpy as np
@@ -46,6 +47,24 @@ class Memory(ctypes.Structure):
     _fields_ = tuple((name, NUMBER) for name in MEMORY.split())
 
 
+class FloatMemory(ctypes.Structure):
+    _fields_ = tuple((name, ctypes.c_float) for name in MEMORY.split())
+
+
+KINDS = {"double": (NUMBER, Memory), "float": (ctypes.c_float, FloatMemory)}
+CONVERSIONS = ("-O2", "-Wdouble-promotion", "-Wconversion")
+
+
+def step_in_c(library, precision, memory, demand, force, pressures, supply, strain, rate):
+    """Commands of one step."""
+    kind, _ = KINDS[precision]
+    command = (kind * len(pressures))()
+    measured = map(kind, (demand, force)), map(kind, (supply, strain, rate))
+    point = *measured[0], (kind * len(pressures))(*pressures), *measured[1]
+    assert library.knee_step(ctypes.byref(memory), *point, command) == 0
+    return np.array(command)
+
+
 def measure(rng, count):
     """A demand that rises and falls beyond the reachable, and noisy measurements."""
     demand = 180 + 260 * np.sin(np.linspace(0, 14, count)) + rng.normal(0, 2, count)
@@ -55,6 +74,13 @@ def measure(rng, count):
     pressures = rng.uniform(-2e3, SUPPLY, (count, 3))
     supply = rng.uniform(0.8, 1.0, count) * SUPPLY
     return zip(demand, force, pressures, supply, strain, rate, strict=True)
+
+
+def slopes_over_flow(units, P, supply, strain, rate, command):
+    """Factor of a content's relative rounding in (K3), which differs over 1 kPa and 1e-4."""
+    m, flows = units.fluid_mass(P, strain + 0 * P), units.valve_flows(P, supply + 0 * P)
+    flow = np.maximum(np.where(command > 0, *flows), 1e-9)
+    return m * (SUPPLY / (1e3 * 3e-3) + abs(rate) / 1e-4) / flow
 
 
 # each case compiles its step in Python; two of them run always
@@ -70,7 +96,7 @@ def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
     plant = make_plant(**options)
     gains = control.Gains(force=0.3, force_integral=40.0)
     cascade = control.cascade(plant, policy, gains=gains, dt=1e-3, flow_limit=0.8)
-    step = compile_c(write_table(cascade, tmp_path, "knee", shape=SHAPE)[1]).knee_step
+    library = compile_c(write_table(cascade, tmp_path, "knee", shape=SHAPE)[1])
     controller = tabulate_controller(cascade, SHAPE)
     memory, c_memory = controller.memory, Memory(0.0, 1.0)
     act = jax.jit(controller.__call__)
@@ -80,16 +106,9 @@ def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
         point = dynamics.Measurement(0.0, strain * length, rate * length, P, force, supply)
         integral = float(memory.force_integral)
         memory, expected = act(memory, point, demand)
-        command = ARRAY()
-        code = step(
-            ctypes.byref(c_memory), NUMBER(demand), NUMBER(force), ARRAY(*P), NUMBER(supply),
-            NUMBER(strain), NUMBER(rate), command,
-        )  # fmt: skip
-        assert code == 0
-        m, flows = units.fluid_mass(P, strain + 0 * P), units.valve_flows(P, supply + 0 * P)
-        flow = np.maximum(np.where(expected > 0, *flows), 1e-9)
-        rounding = ROUNDING * m * (SUPPLY / (1e3 * 3e-3) + abs(rate) / 1e-4) / flow
-        error = np.abs(np.array(command) - expected)
+        command = step_in_c(library, "double", c_memory, demand, force, P, supply, strain, rate)
+        error = np.abs(command - expected)
+        rounding = ROUNDING * slopes_over_flow(units, P, supply, strain, rate, expected)
         assert np.all(error <= TOLERANCE + rounding)
         exact += np.all(error <= TOLERANCE)
         np.testing.assert_allclose(c_memory.force_integral, memory.force_integral, rtol=1e-12)
@@ -111,6 +130,26 @@ def test_a_step_in_c_equals_python(case, compile_c, tmp_path):
     assert exact > 500  # of 600 steps
 
 
+def test_a_step_in_single_precision_is_that_in_double(compile_c, tmp_path):
+    gains = control.Gains(force=0.3, force_integral=40.0)
+    cascade = control.cascade(make_plant(), "hand_over", gains=gains, flow_limit=0.8)
+    runs, units = {}, cascade.units[0]
+    for precision, (_, memory_of) in KINDS.items():
+        paths = write_table(cascade, tmp_path / precision, "knee", precision, shape=SHAPE)
+        library, memory = compile_c(paths[1], CONVERSIONS), memory_of(0.0, 1.0)
+        runs[precision] = []
+        for measured in measure(np.random.default_rng(11), 600):
+            # the same measurements: that of a pressure is rounded to 0.03 Pa
+            row = [np.float32(x).astype(float) for x in measured]
+            runs[precision].append(step_in_c(library, precision, memory, *row))
+    rounding = np.finfo(np.float32).eps
+    rows = zip(measure(np.random.default_rng(11), 600), *runs.values(), strict=True)
+    for (_, _, P, supply, strain, rate), expected, command in rows:
+        slopes = slopes_over_flow(units, P, supply, strain, rate, expected)
+        assert np.all(np.abs(command - expected) <= 8 * rounding * (1 + slopes))
+    assert np.ptp(runs["float"]) > 1
+
+
 @pytest.mark.slow
 def test_twenty_ramps_of_hand_over_in_c_equal_python(compile_c, tmp_path):
     rng, steps = np.random.default_rng(5), 1500
@@ -121,24 +160,39 @@ def test_twenty_ramps_of_hand_over_in_c_equal_python(compile_c, tmp_path):
     parts = held, fluid.ConstantSupply(SUPPLY), fluid.Isothermal(), valve
     plant = dynamics.Plant(bundle, *parts, spool=fluid.Servovalve(2e-3))
     controller = tabulate_controller(control.cascade(plant, "hand_over"), SHAPE)
-    library = compile_c(write_table(controller, tmp_path, "knee", shape=SHAPE)[1])
+    libraries = {
+        precision: compile_c(
+            write_table(controller, tmp_path / precision, "knee", precision, shape=SHAPE)[1]
+        )
+        for precision in KINDS
+    }
     start = dynamics.equilibrium_state(plant, [201e3, 0.0])
+    header = (tmp_path / "float" / "knee.h").read_text()
+    stated = float(re.search(r"commands are off by up to ([\d.e+-]+) of a full opening", header)[1])
     crossed = 0
+
+    def play(precision, *rows):
+        """Commands at each step, and units recruited at the end."""
+        memory = KINDS[precision][1](0.0, 1.0)
+        still = SUPPLY, 0.2, 0.0
+        commands = [
+            step_in_c(libraries[precision], precision, memory, *row, *still)
+            for row in zip(*rows, strict=True)
+        ]
+        return np.array(commands), memory.recruited
+
     for _ in range(20):
         low, high = rng.uniform(2.0, 30.0), rng.uniform(35.0, 110.0)
         ramp = np.clip(np.linspace(0, rng.uniform(1.2, 4.0), steps), 0, 1) * (high - low) + low
         run = dynamics.simulate(plant, controller, ramp, start=start)
-        out, memory, command = run.outputs, Memory(0.0, 1.0), (NUMBER * 2)()
-        force = np.asarray(out.forces).sum(axis=-1)
-        for k in range(steps):
-            pressures = (NUMBER * 2)(*np.asarray(out.pressures)[k])
-            code = library.knee_step(
-                ctypes.byref(memory), NUMBER(ramp[k]), NUMBER(force[k]), pressures,
-                NUMBER(SUPPLY), NUMBER(0.2), NUMBER(0.0), command,
-            )  # fmt: skip
-            assert code == 0
-            np.testing.assert_allclose(list(command), run.commands[k], rtol=0, atol=1e-9)
-        crossed += memory.recruited == 2.0
+        force = np.asarray(run.outputs.forces).sum(axis=-1)[:steps]
+        rows = ramp, force, np.asarray(run.outputs.pressures)[:steps]
+        commands, recruited = play("double", *rows)
+        np.testing.assert_allclose(commands, run.commands[:steps], rtol=0, atol=1e-9)
+        rounded = [np.float32(row).astype(float) for row in rows]
+        single, _ = play("float", *rounded)
+        np.testing.assert_allclose(single, play("double", *rounded)[0], rtol=0, atol=stated)
+        crossed += recruited == 2.0
     assert crossed > 10
 
 
@@ -161,7 +215,7 @@ def test_unsupported_controllers_are_refused():
     for cascade, options, argument in (
         (control.cascade(plant, "batch"), {}, "controller"),
         (control.cascade(plant, "orderly", of="position"), {}, "controller"),
-        (control.cascade(plant, "orderly"), {"precision": "float"}, "precision"),
+        (control.cascade(plant, "orderly"), {"precision": "half"}, "precision"),
     ):
         with pytest.raises(fs.InvalidInputError) as error:
             table_code(cascade, **options)

@@ -11,7 +11,8 @@ static const real branches[@branch_count@][COLUMNS + 1][SHARES + 1] = {
 static const real branch_top = @branch_top@, highest = @highest_pressure@; /* [Pa] */
 static const real dt = @dt@, force_gain = @force_gain@, force_integral_gain = @force_integral@;
 static const real pressure_time = @pressure_time@, flow_limit = @flow_limit@;
-static const real band = @band@; /* [N] */
+static const real band = @band@;   /* [N] */
+static const real above = @above@; /* of the supply over the onset, at which a unit is parked */
 /* share of a step in the filters of the disturbance and of the demand's rate */
 static const real observed = @observed@, filtered = @filtered@;
 /* each unit's chamber: its density at a pressure [kg/m3] is `dense` p/room */
@@ -49,7 +50,7 @@ static real onset(int unit, real strain)
     int j = column(kind_of[unit], strain, &w), i;
 
     between = p = (1 - w) * row[j] + w * row[j + 1];
-    reach = least(0.5 * between, branch_top / 500);
+    reach = least(between / 2, branch_top / 500);
     for (i = 0; i < 2; i++) {
         const point at = unit_at(unit, p, strain);
 
@@ -100,7 +101,7 @@ static real flow(const real valve[2][3], real from, real to)
     const real r = ratio < linear ? ratio : linear;
     const real y = r > b ? (r - b) / (1 - b) : 0;
     const real driving = ratio < linear ? upper : (upper - lower) / (1 - linear);
-    const real passed = size * pow(1 - y * y, valve[back][2]) * driving;
+    const real passed = size * @pow@(1 - y * y, valve[back][2]) * driving;
 
     return back ? -passed : passed;
 }
@@ -117,7 +118,7 @@ static real content(int unit, real pressure, real strain)
 /* how far a valve opens, so that its chamber comes to a pressure with a time constant */
 static real opened(int unit, real target, real pressure, real strain, real rate, real supply)
 {
-    const real step = 1000, strained = 1e-4;
+    const real step = 1000, strained = (real)1e-4;
     const real P_r = least(most(target, 0), highest), m = content(unit, pressure, strain);
     const real by_pressure = (content(unit, pressure + step, strain) - m) / step;
     const real by_strain = (content(unit, pressure, strain + strained) - m) / strained;
@@ -127,7 +128,7 @@ static real opened(int unit, real target, real pressure, real strain, real rate,
                                  : flow(exhaust_valve[unit], p, room[unit]);
 
     /* one that idles is open to the room */
-    return P_r > 0 ? least(most(need / most(passed, 1e-9), -flow_limit), flow_limit)
+    return P_r > 0 ? least(most(need / most(passed, (real)1e-9), -flow_limit), flow_limit)
                    : -flow_limit;
 }
 
@@ -169,7 +170,7 @@ int @name@_step(@name@_memory *memory, real demand, real force, const real press
         const real eps = b.eps[unit] = own(unit, strain);
 
         b.pressure[unit] = pressure[unit];
-        b.parked[unit] = least(onset(unit, eps) + b.top / 100, b.top);
+        b.parked[unit] = least(onset(unit, eps) + above * b.top, b.top);
         b.empty[unit] = count_of[unit] * unit_at(unit, 0, eps).force;
         b.full[unit] = count_of[unit] * unit_at(unit, b.top, eps).force;
         b.gains[unit] = b.full[unit] > b.empty[unit];

@@ -27,14 +27,14 @@ static real growth(const bundle *b, int unit)
     int leg;
 
     for (leg = 1; leg <= 4; leg++) {
-        const real to = level + leg / (real)4 * (end - level);
+        const real to = level + (real)leg / 4 * (end - level);
         const real p = most((from + to) / 2, 0) + room[unit];
         const real filled = content(unit, to, eps) - content(unit, from, eps);
 
-        time += most(filled, 0) / most(flow(supply_valve[unit], b->supply + room[unit], p), 1e-12);
+        time += most(filled, 0) / most(flow(supply_valve[unit], b->supply + room[unit], p), (real)1e-12);
         from = to;
     }
-    return b->gains[unit] ? most(rise, 0) / most(time, 1e-9) : 0;
+    return b->gains[unit] ? most(rise, 0) / most(time, (real)1e-9) : 0;
 }
 
 /* A path from the unit before `next` to it: the force in reserve, less what the supply is too near
@@ -51,7 +51,7 @@ static path path_to(const bundle *b, int next, real asked, int vents)
     const real eps_last = b->eps[last];
     const real short_of = b->gains[last] ? b->full[last]
         - count_of[last] * unit_at(last, near_supply * b->top, eps_last).force : 0;
-    real steepest = 1e-9, falling = 1e-9, time = 0, before = 0, steady;
+    real steepest = (real)1e-9, falling = (real)1e-9, time = 0, before = 0, steady;
     path it = {0, 0, 0, 0, 0, 0, 0};
     int i;
 
@@ -65,13 +65,13 @@ static path path_to(const bundle *b, int next, real asked, int vents)
         const real filled = most(content(next, end, eps) - content(next, 0, eps), 0);
         const real here = count_of[next] * unit_at(next, p * b->parked[next], eps).force;
 
-        time = filled / most(vents ? out : into, 1e-12);
+        time = filled / most(vents ? out : into, (real)1e-12);
         it.dip = count_of[next] * interpolated(dips, next, eps);
         it.deepest = least(interpolated(dip_pressures, next, eps) / size, 1);
         it.adds = b->gains[next];
         it.ahead = most(b->empty[next] - here, 0);
         for (i = 0; i <= PATH_CELLS; i++) {
-            const real at = i / (real)PATH_CELLS;
+            const real at = (real)i / PATH_CELLS;
             const real pull = count_of[next] * unit_at(next, at * b->parked[next], eps).force;
             const real gain = pull - b->empty[next], change = (gain - before) * PATH_CELLS;
 
@@ -86,15 +86,15 @@ static path path_to(const bundle *b, int next, real asked, int vents)
     it.fastest = least(1 / most(time, dt), growth(b, last) / falling) / slack;
     it.fastest = least(it.fastest, tolerance / correction);
     steady = tolerance / 2 * it.dip / (steepest * correction);
-    it.speed = most(it.dip > 0 ? least(it.fastest, steady) : it.fastest, 1e-3);
-    it.fastest = most(it.fastest, 1e-3);
+    it.speed = most(it.dip > 0 ? least(it.fastest, steady) : it.fastest, (real)1e-3);
+    it.fastest = most(it.fastest, (real)1e-3);
     return it;
 }
 
 static real decide(@name@_memory *memory, const bundle *b, real asked, ends *e)
 {
     const real n = (real)UNITS, rate = most(memory->rate, 0);
-    int k = (int)least(most(memory->recruited + 1e-9, 1), n), unit, begins, late, down = 0;
+    int k = (int)least(most(memory->recruited + (real)1e-9, 1), n), unit, begins, late, down = 0;
     const real part = memory->recruited - (real)k;
     const int walks = part > 0;
     const path on = path_to(b, k, asked, memory->direction < 0);
@@ -119,7 +119,7 @@ static real decide(@name@_memory *memory, const bundle *b, real asked, ends *e)
     if (down) memory->direction = -1;
     if (begins || late) memory->direction = 1;
     /* as fast as the demand makes it, if need be */
-    hurry = most(on.deepest - part, 0) * rate / most(reserve - on.dip, 1e-9);
+    hurry = most(on.deepest - part, 0) * rate / most(reserve - on.dip, (real)1e-9);
     speed = least(most(on.speed, hurry), on.fastest);
     if (withheld > 0 && part > on.deepest) speed = on.fastest;
     if (down) speed = back.speed;
@@ -131,7 +131,7 @@ static real decide(@name@_memory *memory, const bundle *b, real asked, ends *e)
     memory->recruited = least(memory->recruited, n);
     memory->withheld = withheld;
 
-    k = (int)(memory->recruited + 1e-9);
+    k = (int)(memory->recruited + (real)1e-9);
     for (unit = 0; unit < UNITS; unit++) {
         const real ramp = unit == k ? (memory->recruited - (real)k) * b->parked[unit] : 0;
         const real measured = most(b->pressure[unit], 0);

@@ -3,7 +3,7 @@
 static real decide(@name@_memory *memory, const bundle *b, real asked, ends *e)
 {
     const int parks = @parked@;
-    int k = (int)least(most(memory->recruited + 1e-9, 1), (real)UNITS), unit;
+    int k = (int)least(most(memory->recruited + (real)1e-9, 1), (real)UNITS), unit;
     real way = 0;
 
     if (k < UNITS && b->gains[k] && b->largest[k - 1] - asked < 0)
@@ -11,7 +11,7 @@ static real decide(@name@_memory *memory, const bundle *b, real asked, ends *e)
     else if (k > 1 && b->largest[k - 2] - asked > band)
         way = -1;
     memory->recruited = least(most((real)k + way, 1), (real)UNITS);
-    k = (int)(memory->recruited + 1e-9);
+    k = (int)(memory->recruited + (real)1e-9);
     for (unit = 0; unit < UNITS; unit++) {
         e->lower[unit] = parks && unit > 0 && unit < k ? b->parked[unit] : 0;
         e->upper[unit] = unit < k ? b->top : 0;
