@@ -88,6 +88,31 @@ PlainOrTable: TypeAlias = Annotated[
 ]
 
 
+class FileError(ValueError):
+    """A value in a file that breaks a rule: one line for people, fields for programs.
+
+    - `source`: the file's name; `argument`: the dotted keys of the value, such as "muscle.length"
+      or "schedule[2].time".
+    - `rule`: broken rule, in words; `value`: the value, or `None`.
+    """
+
+    def __init__(self, source: str, keys: Iterable[Any], rule: str, value: Any = None):
+        self.source, self.keys, self.rule, self.value = source, tuple(keys), rule, value
+        path = ".".join(map(_toml_key, self.keys))
+        self.argument = re.sub(r"\.(\d+)", lambda index: f"[{index[1]}]", path)
+        value_text = ""
+        if isinstance(value, str | int | float | bool):
+            text = json.dumps(value, ensure_ascii=False)
+            value_text = f" = {text if len(text) <= 60 else text[:50] + '…'}"
+        line = " ".join(f"{source}: {self.argument}{value_text}: {rule}".split())
+        # halves of characters can't be shown
+        super().__init__(line.encode("utf-8", "backslashreplace").decode())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # the error of a worker process arrives with its fields
+        return type(self), (self.source, self.keys, self.rule, self.value)
+
+
 def validate(model: type[_Model], data: Any, source: str) -> _Model:
     """Tables of a file as a `model`; `ValueError` in one line with path, key, value and rule if
     they don't fit. `source`: the file's name.
@@ -95,13 +120,13 @@ def validate(model: type[_Model], data: Any, source: str) -> _Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise ValueError(_validation_message(error, source, data, model)) from None
+        raise _first_fault(error, source, data, model) from None
 
 
-def _validation_message(
+def _first_fault(
     error: ValidationError, source: str, data: Any, model: type[BaseModel]
-) -> str:
-    """First fault of a file in one line: path, key, value and rule; arguments as of `validate`."""
+) -> FileError:
+    """Error of a file's first fault; arguments as of `validate`."""
     faults = error.errors(include_url=False)
     fault = min(faults, key=lambda x: _ORDER.get(x["type"], len(_ORDER)))
     kind, location = fault["type"], fault["loc"]
@@ -113,29 +138,18 @@ def _validation_message(
         section: Any = next(iter(_models(getattr(field, "annotation", None))), model)
         names = [known.alias or name for name, known in section.model_fields.items()]
         hint = did_you_mean(str(keys[-1]), names)
-        return location_message(source, keys, f"unknown key{hint}")
+        return FileError(source, keys, f"unknown key{hint}")
     if kind == "missing":
         examples = getattr(_field_at(model, location), "examples", None) or [""]
         example = examples[0] if examples[0][:1] == "[" else f"{keys[-1]} = {examples[0]}"
         remedy = f", write {example}" if examples[0] else ""
-        return location_message(source, keys, f"missing{remedy}.")
+        return FileError(source, keys, f"missing{remedy}.")
     rule = str(fault.get("ctx", {}).get("error") or _RULES.get(kind, fault["msg"]))
     for technical, plain in _PLAIN_WORDS.items():
         rule = rule.replace(technical, plain)
     count = f" ({len(faults) - 1} more after it)" if len(faults) > 1 else ""
     rule = rule if rule.endswith("?") else f"{rule.rstrip('.')}."
-    return location_message(source, keys, f"{rule}{count}", value_at(data, path))
-
-
-def location_message(source: str, keys: Iterable[Any], rule: str, value: Any = None) -> str:
-    """`source: dotted.key = value: rule`, on one line; a table or `None` isn't shown as value."""
-    path = re.sub(r"\.(\d+)", lambda index: f"[{index[1]}]", ".".join(map(_toml_key, keys)))
-    value_text = ""
-    if isinstance(value, str | int | float | bool):
-        text = json.dumps(value, ensure_ascii=False)
-        value_text = f" = {text if len(text) <= 60 else text[:50] + '…'}"
-    line = " ".join(f"{source}: {path}{value_text}: {rule}".split())
-    return line.encode("utf-8", "backslashreplace").decode()  # halves of characters can't be shown
+    return FileError(source, keys, f"{rule}{count}", value_at(data, path))
 
 
 def did_you_mean(name: str, choices: Iterable[str]) -> str:

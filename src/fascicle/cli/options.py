@@ -19,7 +19,7 @@ from .errors import UserError
 
 # arguments of the library, and parameters of commands that set them, where names differ by more
 # than a plural
-_PARAMETERS = {"supply_pressure": "supply", "states": "pressure", "names": "fit"}
+_PARAMETERS = {"supply_pressure": "supply", "states": "pressure", "names": "fit", "folder": "out"}
 Text = str | None
 Texts = list[str] | None
 

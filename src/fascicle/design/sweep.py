@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..core.errors import InvalidInputError
 from ..io.input_file import read_bytes
 from ..version import __version__
 from .evaluation import Values, evaluate
@@ -57,12 +58,12 @@ class Study:
 
 def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
     """Make a `folder` for a study's results, or check one to `resume`, and return its array's path;
-    `ValueError` for one that holds something else, `OSError` if its file is no regular one.
+    `InvalidInputError` for one that holds something else, `OSError` if its file is no regular one.
     """
     import zarr
     from dask.base import tokenize
 
-    path, fault = folder / DATA, ""
+    path, rule, remedy = folder / DATA, "", "name another folder"
     digest = tokenize(__version__, study.space, study.task, study.names, study.block)
     if exists := (path / "zarr.json").exists():
         read_bytes(path / "zarr.json", _MAX_SIZE, "sweep's array")  # zarr waits for ever at a pipe
@@ -70,15 +71,15 @@ def open_folder(folder: Path, study: Study, resume: bool = False) -> Path:
         with contextlib.suppress(Exception):  # there is no end to what a damaged file can provoke
             former = zarr.open_array(path, mode="r").attrs.get("study")
         if former != digest:
-            fault = "holds another study's results; nothing was changed. Name another folder"
+            rule = "must not hold another study's results"
         elif not resume:
-            fault = "holds a sweep already; continue with --resume"
+            rule, remedy = "must not hold a sweep already", "resume it, or name another folder"
     elif folder.is_dir() and any(file.name != DATA for file in folder.iterdir()):
-        fault = "exists and is no sweep: name a new folder"
+        rule = "must be new, or a sweep's"
     elif resume and not folder.is_dir():
-        fault = "holds no sweep to resume: leave --resume out"
-    if fault:
-        raise ValueError(f"{folder}: {fault}.")
+        rule, remedy = "must hold the sweep to resume", "begin it without resume"
+    if rule:
+        raise InvalidInputError("folder", rule, str(folder), remedy)
     if not exists:
         units = [OBJECTIVES[name].unit for name in study.names]
         shape, chunks = (len(study.space), len(study.names)), (study.block, len(study.names))
@@ -189,7 +190,8 @@ def check_scheduler(address: str) -> None:
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it logs until this process ends
     match = re.fullmatch(r"(tcp://)?([\w.-]+|\[[\da-f:.]+\]):(\d{1,5})", address, re.ASCII)
     if match is None or not 0 < int(match[3]) < 1 << 16:
-        raise ValueError(f"{address!r}: must be an address such as tcp://127.0.0.1:8786.")
+        rule = "must be an address such as tcp://127.0.0.1:8786"
+        raise InvalidInputError("scheduler", rule, address)
 
     async def ask() -> None:
         await (await asyncio.wait_for(connect(address), _CONNECTION_TIME)).close()
@@ -197,8 +199,8 @@ def check_scheduler(address: str) -> None:
     try:
         asyncio.run(ask())
     except (RuntimeError, OSError, TypeError, ValueError, TimeoutError):
-        time = f"{_CONNECTION_TIME:g} s"
-        raise ValueError(f"{address}: no Dask scheduler answers within {time}.") from None
+        rule = f"must be of a Dask scheduler that answers within {_CONNECTION_TIME:g} s"
+        raise InvalidInputError("scheduler", rule, address) from None
 
 
 @contextlib.contextmanager

@@ -22,7 +22,7 @@ from ..muscle.laws import LAWS, is_written_out
 from ..muscle.materials import MATERIALS, MooneyRivlin
 from ..muscle.printing import SIZES
 from ..muscle.tuning import Tuning
-from ..table_model import did_you_mean, location_message, validate, value_at
+from ..table_model import FileError, did_you_mean, validate, value_at
 from ..units import DIMENSIONS, exact, parse
 from . import example_text, named_muscles, schema
 from .schema import BundleSection, FileLocation
@@ -109,7 +109,8 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
     elif isinstance(obj, Bundle):
         muscles, data = [unit.muscle for unit in obj.motor_units], _bundle_tables(obj)
     else:
-        raise ValueError(f"only a Muscle or a Bundle can be saved, got {type(obj).__name__}.")
+        kind = type(obj).__name__
+        raise InvalidInputError("obj", "must be a Muscle or a Bundle", obj, shown=kind)
     text = tomlkit.dumps({"format": 1} | data)
     if calibration is None:
         # a bundle of equal fitted muscles has their fitted length
@@ -161,7 +162,7 @@ def parse_file(text: str, source: str) -> dict[str, Any]:
     version = data.get("format")
     if version is not None and (version != 1 or isinstance(version, bool)):
         rule = "must be 1, the format that this version of fascicle reads."
-        raise ValueError(location_message(source, ["format"], rule, version))
+        raise FileError(source, ["format"], rule, version)
     return data
 
 
@@ -190,8 +191,8 @@ def from_dict(data: dict[str, Any], source: str, folder: Path | None = None) -> 
     if file.bundle is not None:
         return _bundle(file.bundle, muscles, root.child("bundle", kind="bundle"), folder)
     if len(muscles) > 1:
-        rule = f"several muscles ({', '.join(muscles)}) and no [bundle]"
-        raise ValueError(f"{source}: {rule}: keep one, or add a [bundle].")
+        rule = f"write one for the muscles {', '.join(muscles)}, or keep one of them."
+        raise FileError(source, ["bundle"], f"missing, {rule}")
     return next(iter(muscles.values()))
 
 

@@ -27,7 +27,7 @@ from ..core.errors import InvalidInputError
 from ..muscle.laws import LAWS
 from ..muscle.materials import MooneyRivlin
 from ..muscle.products import thread_sizes
-from ..table_model import PlainOrTable, Quantity, TableModel, location_message, value_at
+from ..table_model import FileError, PlainOrTable, Quantity, TableModel, value_at
 from ..units import exact, parse, parse_list
 
 
@@ -82,11 +82,11 @@ class FileLocation(NamedTuple):
         """Location at `keys` below this one."""
         return self._replace(keys=self.keys + keys, kind=kind)
 
-    def error(self, keys: tuple[Any, ...], rule: str) -> ValueError:
+    def error(self, keys: tuple[Any, ...], rule: str) -> FileError:
         """Error for the value at `keys` below this location, which breaks a `rule`."""
         path = self.keys + keys
         names = [key for key in path if key != ""]  # a single muscle has the empty name
-        return ValueError(location_message(self.source, names, rule, value_at(self.data, path)))
+        return FileError(self.source, names, rule, value_at(self.data, path))
 
     @contextlib.contextmanager
     def error_context(self) -> Iterator[None]:
@@ -111,7 +111,7 @@ def check_kind(data: Mapping[str, Any], kind: str, source: str) -> None:
     for actual, (keys, command) in _KINDS.items():
         if actual != kind and (known := [key for key in keys if key in data]):
             rule = f"a {actual}, not a {kind}: {command}."
-            raise ValueError(location_message(source, known[:1], rule))
+            raise FileError(source, known[:1], rule)
 
 
 Length = Annotated[float, Quantity("length")]

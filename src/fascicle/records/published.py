@@ -13,7 +13,7 @@ from pydantic import AfterValidator, Field, StrictBool, StrictStr
 
 from ..core.validation import HIGHEST_PRESSURE
 from ..io.atomic import write_text
-from ..table_model import TableModel, location_message, validate
+from ..table_model import FileError, TableModel, validate
 from .record import COLUMNS, OPTIONAL_COLUMNS, STRAINS, Record, Source, dumps
 
 
@@ -128,7 +128,7 @@ def from_json(raw: str | bytes, source: str) -> Record:
         raise ValueError(f"{source}: schema: {rule}.")
     if version != SCHEMA:
         rule = f"this fascicle reads {SCHEMA}: choose that, or install a newer fascicle."
-        raise ValueError(location_message(source, ["schema"], rule, version))
+        raise FileError(source, ["schema"], rule, version)
     table = _validate(data, source)
     optional = {name: getattr(table, name) for name in OPTIONAL_COLUMNS}
     return Record.of(
@@ -148,7 +148,7 @@ def _validate(data: Any, source: str) -> RecordTable:
             continue
         if len(values) != len(table.pressure):
             rule = f"has {len(values)} values, but pressure has {len(table.pressure)}."
-            raise ValueError(location_message(source, [name], rule))
+            raise FileError(source, [name], rule)
     return table
 
 

@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
+from refusing import refuses
 
 
 LAST = (math.radians(33), "silicone_kim2021")
@@ -80,9 +81,9 @@ def test_replace_checks_new_arguments_and_keeps_the_others():
     thin = muscle.replace(wall_thickness=1e-3, buckling="elastica")
     assert thin == fs.Muscle(0.127, 6.35e-3, 1e-3, *LAST, buckling="elastica")
     assert muscle.replace() == muscle
-    with pytest.raises(ValueError, match="`wall_thickness` must be less than `outer_radius`"):
+    with refuses("wall_thickness"):
         muscle.replace(wall_thickness=7e-3)
-    with pytest.raises(ValueError, match="did you mean 'wall_thickness'"):
+    with refuses("argument"):
         muscle.replace(wall_thicknes=1e-3)
 
 

@@ -7,6 +7,7 @@ import pytest
 import fascicle as fs
 from fascicle import InvalidInputError, units
 from fascicle.files.schema import FileLocation
+from refusing import refuses
 
 
 def error_of(call):
@@ -39,9 +40,7 @@ def test_the_error_of_a_worker_arrives_with_its_fields(duplicate):
 
 def test_a_file_names_the_key_by_the_field_not_by_the_text():
     location = FileLocation("m.toml", {"muscle": {"length": "1 m"}}, ("muscle",), "muscle")
-    key = r"^m.toml: muscle.length = \"1 m\": `length` is odd\.$"
-    with pytest.raises(ValueError, match=key), location.error_context():
+    with refuses("muscle.length"), location.error_context():
         raise InvalidInputError("length", "is odd", None)
-    table = r"^m.toml: muscle: `length` is what"
-    with pytest.raises(ValueError, match=table), location.error_context():
+    with refuses("muscle"), location.error_context():
         raise ValueError("`length` is what another library's message begins with.")

@@ -9,6 +9,7 @@ import pytest
 
 import fascicle as fs
 from fascicle.core.validation import RANGES
+from refusing import refuses
 
 
 SIZES = {"length": 0.127, "outer_radius": 6.35e-3, "wall_thickness": 1.6e-3, "braid_angle": 0.576}
@@ -86,7 +87,7 @@ def test_every_accepted_strain_has_a_finite_force(degrees, law):
     for force in (response.force, response.mesh, response.bladder, response.bending):
         assert np.all(np.isfinite(force))
     for margin in (5e-13, 1e-12, 0.0, -1e-12):
-        with pytest.raises(ValueError, match=r"`strain` must lie in .*fibers straight"):
+        with refuses("strain"):
             steep.force(2e5, straight + margin)
-        with pytest.raises(ValueError, match=r"`strain` must lie in"):
+        with refuses("strain"):
             fs.Bundle([fs.MotorUnit(steep)]).force([2e5], straight + margin)

@@ -4,6 +4,7 @@ import pytest
 
 from fascicle.core.errors import InvalidInputError
 from fascicle.core.validation import broadcast_shape, check_finite, check_interval, check_positive
+from refusing import refuses
 
 
 @pytest.mark.parametrize(
@@ -31,8 +32,9 @@ def test_other_types_are_refused(value):
 
 
 def test_a_refused_value_differs_from_its_limit_as_written():
-    with pytest.raises(InvalidInputError, match=r"\[0, 1e6\].*1000000\.0000000001"):
+    with refuses("pressure") as error:
         check_interval(np.nextafter(1e6, 2e6), 0.0, 1e6, "pressure", "Pa", closed=(True, True))
+    assert "1000000.0000000001" in str(error.value)
 
 
 @pytest.mark.parametrize("shapes", [((2,), (3,)), ((4, 2), (3,)), ((1, 2, 1), (2, 3, 1))])

@@ -19,6 +19,7 @@ from fascicle.design.sweep import (
     open_folder,
     sweep,
 )
+from refusing import refuses
 
 
 zarr = pytest.importorskip("zarr", reason="needs the extra `sweep`")
@@ -99,45 +100,43 @@ def test_results_of_another_study_stay_unchanged(muscle, task, study, whole):
     before = files(whole)
     other_task = Task.of(task.force, task.strain, 400e3, task.weight)
     for other in (study_of(muscle, task, 8), study_of(muscle, other_task)):
-        with pytest.raises(ValueError, match="another study's results"):
+        with refuses("folder"):
             open_folder(whole.parent, other, resume=True)
-    with pytest.raises(ValueError, match="continue with --resume"):
+    with refuses("folder"):
         open_folder(whole.parent, study)
     assert files(whole) == before
 
 
 def test_a_folder_with_other_content_is_refused(study, tmp_path):
-    with pytest.raises(ValueError, match="no sweep to resume"):
+    with refuses("folder"):
         open_folder(tmp_path / "new", study, resume=True)
     (tmp_path / "thesis.txt").write_text("kept")
     (tmp_path / DATA).mkdir()
     for resume in (False, True):
-        with pytest.raises(ValueError, match="exists and is no sweep"):
+        with refuses("folder"):
             open_folder(tmp_path, study, resume)
     (tmp_path / "thesis.txt").unlink()
     (tmp_path / DATA / "zarr.json").write_text("[" * 100_000)
-    with pytest.raises(ValueError, match="another study's results"):
+    with refuses("folder"):
         open_folder(tmp_path, study, resume=True)
     (tmp_path / DATA / "zarr.json").unlink()
     os.mkfifo(tmp_path / DATA / "zarr.json")
-    with pytest.raises(OSError, match="named pipe"):
+    with pytest.raises(OSError, match=DATA):
         open_folder(tmp_path, study, resume=True)
 
 
 @pytest.mark.parametrize("address", ["", "tcp://", "ws://localhost:80", "tcp://localhost:99999"])
 def test_an_impossible_scheduler_is_one_line(address):
-    with pytest.raises(ValueError, match="must be an address") as raised:
+    with refuses("scheduler"):
         check_scheduler(address)
-    assert "\n" not in str(raised.value)
 
 
 def test_a_port_that_never_answers_is_no_scheduler(monkeypatch):
     monkeypatch.setattr("fascicle.design.sweep._CONNECTION_TIME", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        with pytest.raises(ValueError, match="no Dask scheduler") as raised:
+        with refuses("scheduler"):
             check_scheduler(address)
-    assert address in str(raised.value)
 
 
 def running_workers(process):

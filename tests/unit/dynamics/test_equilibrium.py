@@ -11,6 +11,7 @@ from fascicle.core.errors import InvalidInputError
 from fascicle.dynamics.equilibrium import equilibrium_state
 from fascicle.dynamics.motion import FrictionMemory, evaluate_plant, time_derivative
 from fascicle.dynamics.outputs import observe
+from refusing import refuses
 
 
 def _at(plant, state, command):
@@ -106,9 +107,9 @@ def test_a_load_without_equilibrium_is_refused(lift, mass, side):
     if side == "strong":  # a spring that pushes
         load = dynamics.InertiaSpringDamper(1.0, force_outside=-1e4)
         plant = eqx.tree_at(lambda p: p.load, lift, load)
-    with pytest.raises(InvalidInputError, match=f"too {side} by") as error:
+    with refuses("load") as error:
         equilibrium_state(plant, 1e5)
-    assert error.value.argument == "load"
+    assert side in str(error.value)
 
 
 @pytest.mark.parametrize(

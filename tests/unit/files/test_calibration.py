@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from fascicle.files import dumps, example, load, loads, provenance, save
 from fascicle.files.muscle_files import calibration_text
+from refusing import refuses
 
 
 MUSCLE = example("kim2021_figure_6")
@@ -69,5 +70,5 @@ def test_a_report_that_is_no_table(tmp_path):
     path, text = tmp_path / "m.toml", "calibration = 3\n" + dumps(MUSCLE)
     path.write_text(text)
     for read, file in ((load, path), (provenance, path), (loads, text)):
-        with pytest.raises(ValueError, match="calibration = 3: must be a table of keys"):
+        with refuses("calibration"):
             read(file)

@@ -116,18 +116,18 @@ def test_catalog_file_with_its_own_muscles(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("more", "message"),
+    ("more", "argument"),
     [
-        ('catalog = "festo_dmps"\n', "`catalog` 'festo_dmps' is unknown: did you mean"),
-        (THIN.replace("name", "nmae"), 'unknown key, did you mean "name"?'),
-        (THIN + 'outer_diameter = "3 mm"\n', "got outer_radius and outer_diameter"),
-        (THIN + THIN, "repeats a product of this length"),
-        (THIN + 'wall_thickness = "6 mm"\n', "`wall_thickness` must be less than"),
-        (THIN + 'least_length = "1 m"\nmost_length = "0.5 m"\n', "be more than most_length"),
-        (THIN.replace('"25 %"', '"125 %"'), "`largest_strain` must lie in (0, 1]"),
+        ('catalog = "festo_dmps"\n', "design.catalog"),
+        (THIN.replace("name", "nmae"), "design.catalog[0].nmae"),
+        (THIN + 'outer_diameter = "3 mm"\n', "design.catalog[0].outer_radius"),
+        (THIN + THIN, "design.catalog[1].name"),
+        (THIN + 'wall_thickness = "6 mm"\n', "design.catalog[0].wall_thickness"),
+        (THIN + 'least_length = "1 m"\nmost_length = "0.5 m"\n', "design.catalog[0].least_length"),
+        (THIN.replace('"25 %"', '"125 %"'), "design.catalog[0].largest_strain"),
         (THIN + THIN.replace("thin", "b").replace("12 EUR", "12 USD").replace("10 EUR", "1 USD"),
-         "another price is in EUR"),
+         "design.catalog[1]"),
     ],
 )  # fmt: skip
-def test_invalid_catalogs_are_one_line(refusal, more, message):
-    assert message in refusal(loads_task, PLAIN + more)
+def test_invalid_catalogs_are_one_line(refusal, more, argument):
+    assert argument == refusal(loads_task, PLAIN + more)

@@ -10,6 +10,7 @@ import fascicle as fs
 from fascicle.files import example_text
 from fascicle.files.measured_muscles import read_entry
 from fascicle.files.task import loads_task
+from refusing import refuses
 
 
 FOLDER = Path(fs.files.__file__).parent / "measured"
@@ -82,9 +83,8 @@ def test_the_catalog_is_a_mapping():
     assert len(fs.catalog) == len(list(fs.catalog)) >= 9
     assert "festo-dmsp-20-300" in fs.catalog and "none" not in fs.catalog and 3 not in fs.catalog
     assert fs.catalog.get("none") is None
-    with pytest.raises(fs.InvalidInputError, match="did you mean 'festo-dmsp-20-300'") as refused:
+    with refuses("name"):
         fs.catalog["festo-dmps-20-300"]
-    assert refused.value.argument == "name"
 
 
 def test_strains_of_a_fitted_muscle_refer_to_its_own_length():
@@ -128,7 +128,7 @@ def test_a_design_draws_from_the_catalog():
     assert not any("extrapolation" in note for note in file.notes)
     notes = loads_task(TASK.format(pressure="7 bar", muscle='"festo-dmsp-20-300"')).notes
     assert any("a pressure of 700 kPa" in x and "extrapolation" in x for x in notes)
-    with pytest.raises(ValueError, match=r'design\.muscle = .* did you mean "festo-dmsp-20-300"'):
+    with refuses("design.muscle"):
         loads_task(TASK.format(pressure="6 bar", muscle='"festo-dmsp-20-30"'))
 
 
@@ -142,15 +142,15 @@ def test_the_template_is_an_entry():
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "argument"),
     [
-        ("[entry]", "[entrie]", "entry: missing, write [entry]"),
-        ('license = "CC BY 4.0"', "", "entry.license: missing"),
+        ("[entry]", "[entrie]", "entry"),
+        ('license = "CC BY 4.0"', "", "entry.license"),
         ('"https://doi.org/10.3390/act10030042"', '"the paper"', "entry.url"),
         ('["0 kPa", "413.7 kPa"]', "[0, 413.7]", "entry.pressure"),
     ],
 )  # fmt: skip
-def test_a_bad_entry_is_one_line(refusal, old, new, message):
+def test_a_bad_entry_is_one_line(refusal, old, new, argument):
     text = example_text("kim2021-fam-1")
     assert old in text
-    assert message in refusal(read_entry, text.replace(old, new, 1))
+    assert argument == refusal(read_entry, text.replace(old, new, 1))

@@ -109,76 +109,76 @@ def test_windows_files_and_byte_order_marks(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "argument"),
     [
         # keys
-        ("length", "lenght", 'muscle.lenght: unknown key, did you mean "length"?'),
-        ("[muscle]", "[musle]", 'musle: unknown key, did you mean "muscle"?'),
-        ('length = "127 mm"\n', "", 'muscle.length: missing, write length = "127 mm".'),
-        ("format = 1", "format = 2", "format = 2: must be 1, the format that this version"),
+        ("length", "lenght", "muscle.lenght"),
+        ("[muscle]", "[musle]", "musle"),
+        ('length = "127 mm"\n', "", "muscle.length"),
+        ("format = 1", "format = 2", "format"),
         # units
-        ('"127 mm"', "127", "muscle.length = 127: `length` must be a length, such as"),
-        ('"127 mm"', '"127 kPa"', "'kPa' is no unit of length"),
-        ('"127 mm"', '"nan mm"', "it must be finite"),
-        ('"127 mm"', '["127 mm"]', "muscle.length: `length` must be a length"),
+        ('"127 mm"', "127", "muscle.length"),
+        ('"127 mm"', '"127 kPa"', "muscle.length"),
+        ('"127 mm"', '"nan mm"', "muscle.length"),
+        ('"127 mm"', '["127 mm"]', "muscle.length"),
         # sizes: the constructors' own rules
-        ('"127 mm"', '"0 mm"', 'muscle.length = "0 mm": `length` must be positive'),
-        ("1.6 mm", "6.35 mm", 'muscle.wall_thickness = "6.35 mm": `wall_thickness` must be less'),
-        ("33 deg", "54.7357 deg", 'muscle.braid_angle = "54.7357 deg": `braid_angle` must lie in'),
+        ('"127 mm"', '"0 mm"', "muscle.length"),
+        ("1.6 mm", "6.35 mm", "muscle.wall_thickness"),
+        ("33 deg", "54.7357 deg", "muscle.braid_angle"),
         # TOML
-        ("[muscle]", "[muscle", "not TOML: Expected ']'"),
-        ("[muscle]", "[muscle]\nlength = '1 m'\nlength = '2 m'", "not TOML: "),
-        ("[muscle]", "x = " + "[" * 5000 + "\n[muscle]", "not TOML: "),
+        ("[muscle]", "[muscle", ""),
+        ("[muscle]", "[muscle]\nlength = '1 m'\nlength = '2 m'", ""),
+        ("[muscle]", "x = " + "[" * 5000 + "\n[muscle]", ""),
     ],
 )
-def test_refuses(refusal, old, new, message):
+def test_refuses(refusal, old, new, argument):
     assert old in MUSCLE
-    assert message in refusal(loads, MUSCLE.replace(old, new, 1))
+    assert argument == refusal(loads, MUSCLE.replace(old, new, 1))
 
 
 @pytest.mark.parametrize(
-    ("more", "message"),
+    ("more", "argument"),
     [
-        ('material = "silicon"', "muscle.material = \"silicon\": `material` 'silicon' is unknown"),
-        ('material = { c10 = "1 kPa" }', "muscle.material.c01: `c01` is missing"),
-        ('material = { c10 = "1 kPa", c01 = "-1 kPa" }', 'material.c01 = "-1 kPa": `c01` must be'),
-        (TONDU + "k = 1 }", "muscle.tension.k = 1: not a parameter of tondu_lopez, choose one of"),
-        (TONDU + "strain_factor = -1 }", "tension.strain_factor = -1: `strain_factor` must be"),
-        (TONDU + "decay_pressure = 1 }", "tension.decay_pressure = 1: `decay_pressure` must be"),
-        (COLLAPSE + 'law = "wod1958"', "muscle.collapse.law = \"wod1958\": `collapse` 'wod1958'"),
-        (COLLAPSE + "factor = -2", "muscle.collapse.factor = -2: `factor` must be positive"),
-        (TUNING + "dead_band = 12", "tuning.dead_band = 12: `dead_band` must be a pressure"),
-        (TUNING + 'dead_band = "-1 Pa"', 'tuning.dead_band = "-1 Pa": `dead_band` must lie in'),
-        (TUNING + 'pressure = ["1 kPa"]', "muscle.tuning.pressure: `pressures`, `c1` and `c2`"),
+        ('material = "silicon"', "muscle.material"),
+        ('material = { c10 = "1 kPa" }', "muscle.material.c01"),
+        ('material = { c10 = "1 kPa", c01 = "-1 kPa" }', "muscle.material.c01"),
+        (TONDU + "k = 1 }", "muscle.tension.k"),
+        (TONDU + "strain_factor = -1 }", "muscle.tension.strain_factor"),
+        (TONDU + "decay_pressure = 1 }", "muscle.tension.decay_pressure"),
+        (COLLAPSE + 'law = "wod1958"', "muscle.collapse.law"),
+        (COLLAPSE + "factor = -2", "muscle.collapse.factor"),
+        (TUNING + "dead_band = 12", "muscle.tuning.dead_band"),
+        (TUNING + 'dead_band = "-1 Pa"', "muscle.tuning.dead_band"),
+        (TUNING + 'pressure = ["1 kPa"]', "muscle.tuning.pressure"),
         (
             TUNING + 'hinge_stiffness_factor = { slope = "-1 1/bar" }',
-            'muscle.tuning.hinge_stiffness_factor.slope = "-1 1/bar": `hinge_stiffness_slope`',
+            "muscle.tuning.hinge_stiffness_factor.slope",
         ),
-        ("[bundle]\n", "bundle.motor_unit: `motor_units` must hold at least one"),
-        ("[bundle]\nsize = 2", "bundle.size: unknown key"),
-        ("[bundle]\nmotor_unit = [1]", "bundle.motor_unit[0] = 1: must be a table"),
-        (BUNDLE + "count = 0", "bundle.motor_unit[0].count = 0: `count` must be"),
-        (BUNDLE + 'muscle = "thin"', 'bundle.motor_unit[0].muscle = "thin": no such'),
+        ("[bundle]\n", "bundle.motor_unit"),
+        ("[bundle]\nsize = 2", "bundle.size"),
+        ("[bundle]\nmotor_unit = [1]", "bundle.motor_unit[0]"),
+        (BUNDLE + "count = 0", "bundle.motor_unit[0].count"),
+        (BUNDLE + 'muscle = "thin"', "bundle.motor_unit[0].muscle"),
     ],
 )
-def test_refuses_further_keys(refusal, more, message):
-    assert message in refusal(loads, MUSCLE + more + "\n")
+def test_refuses_further_keys(refusal, more, argument):
+    assert argument == refusal(loads, MUSCLE + more + "\n")
 
 
 def test_several_muscles_need_a_bundle_that_names_them(refusal):
-    for more, message in (
-        ("", "several muscles (thin, thick) and no [bundle]"),
-        (BUNDLE, "bundle.motor_unit[0].muscle: missing, write the name of its muscle"),
-        (BUNDLE + 'muscle = "thinn"\n', 'no such muscle in the file, did you mean "thin"?'),
+    for more, argument in (
+        ("", "bundle"),
+        (BUNDLE, "bundle.motor_unit[0].muscle"),
+        (BUNDLE + 'muscle = "thinn"\n', "bundle.motor_unit[0].muscle"),
     ):
-        assert message in refusal(loads, TWO + more)
+        assert argument == refusal(loads, TWO + more)
 
 
 def test_a_binary_file_is_refused(tmp_path):
     path = tmp_path / "b.toml"
     for raw in (bytes(range(256)), b"\x00" * 50):
         path.write_bytes(raw)
-        with pytest.raises(ValueError, match=f"^{path}: not"):
+        with pytest.raises(ValueError, match=str(path)):
             load(path)
 
 

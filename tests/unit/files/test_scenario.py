@@ -13,6 +13,7 @@ from fascicle import fluid
 from fascicle.dynamics.muscles import ExactMuscles
 from fascicle.files import example_text, loads_scenario
 from fascicle.files.scenario import scenario_from_dict
+from refusing import refuses
 
 
 GAS, OIL, JOINT, DRY, PUMPED, RAMP = map(
@@ -71,9 +72,10 @@ def test_valve_takes_other_figures_of_its_data_sheet():
         ("Cv = 0.1", fluid.conductance_from_cv(0.1, 0.3)),
     ):
         assert_allclose(loads_scenario(before + figure + after).plant.valve.C, conductance)
-        for wrong in (f"{C}\n{figure}", ""):
-            with pytest.raises(ValueError, match="one of nominal_flow"):
-                loads_scenario(before + wrong + after)
+        with refuses(f"valve.{figure.split()[0]}"):
+            loads_scenario(f"{before}{C}\n{figure}{after}")
+    with refuses("valve.C"):
+        loads_scenario(before + after)
 
 
 def test_room_reaches_every_part():
@@ -125,46 +127,46 @@ POLICY = 'policy = "hand_over"'
 
 
 @pytest.mark.parametrize(
-    ("text", "edits", "message"),
+    ("text", "edits", "argument"),
     [
-        (GAS, [("b = 0.3", "b = 1.2")], "valve.b = 1.2: `b` must lie in (0, 1)"),
-        (GAS, [("413.7 kPa", "0 kPa")], "supply.pressure = \"0 kPa\": `pressure` must be positive"),
-        (GAS, [('dt = "1 ms"', 'dt = "0 ms"')], 'run.dt = "0 ms": must be positive'),
-        (GAS, [('"2 mL"', '"-2 mL"')], "fluid.dead_volume: `dead_volume` must lie in [0, inf) m³"),
-        (GAS, [('time = "2 s"', 'time = "1 s"')], "schedule[2].time = \"1 s\": times must rise"),
-        (GAS, [('time = "0 s"', 'time = "1 s"')], "schedule[0].time = \"1 s\": the first must be"),
-        (GAS, [("[1, 0]", "[1.5, 0]")], "schedule[0].command: `command` must lie in [-1, 1]"),
+        (GAS, [("b = 0.3", "b = 1.2")], "valve.b"),
+        (GAS, [("413.7 kPa", "0 kPa")], "supply.pressure"),
+        (GAS, [('dt = "1 ms"', 'dt = "0 ms"')], "run.dt"),
+        (GAS, [('"2 mL"', '"-2 mL"')], "fluid.dead_volume"),
+        (GAS, [('time = "2 s"', 'time = "1 s"')], "schedule[2].time"),
+        (GAS, [('time = "0 s"', 'time = "1 s"')], "schedule[0].time"),
+        (GAS, [("[1, 0]", "[1.5, 0]")], "schedule[0].command"),
         (
             GAS,
             [('"10 kg"', '"1000 kg"'), ('low = "-20 mm"', "")],
-            "load: `load` must be one that the bundle can hold at rest",
+            "load",
         ),
-        (GAS, [("[run]", '[run]\nposition = "80 mm"')], "run.position = \"80 mm\": `pos"),
-        (GAS, [(GAS[GAS.index("[load]") : GAS.index("[fluid]") + 7], MOVED)], "load: `position`"),
-        (GAS, [('dt = "1 ms"', 'dt = "7 ms"')], "whole steps of 0.007 s: take 5.999 s"),
-        (GAS, [('dt = "1 ms"', 'dt = "1 ns"')], "more than 2000000: take a longer `dt`"),
-        (GAS, [('kind = "hanging_mass"', "")], "load.kind: missing, write kind = one of"),
-        (OIL, [('"constant"', '"tank"\nvolume = "1 L"')], "supply.kind = \"tank\": it holds a gas"),
-        (PUMPED, [("= 0.9\n", "= 1.9\n")], "pump.mechanical_efficiency = 1.9: `mechanical_e"),
-        (PUMPED, [('"350 kPa"', '"450 kPa"')], "pump.switch_off = \"413.7 kPa\": `switch_off` m"),
-        (JOINT, [('"-60 deg"', '"-60 mm"')], "load.stop.low = \"-60 mm\": `low` must be an angle"),
-        (JOINT, [('"6 mm"', '"80 mm"')], "load: leaves no stroke"),
-        (GAS, [("_1_4", "_1_5")], 'did you mean "kim2021_bundle_1_4"?'),
-        (GAS, [('bundle = "kim2021_bundle_1_4"', "")], "bundle: must name a bundle or its file"),
-        (GAS, [("[run]", '[run]\nlaw = "exat"')], "run.law = \"exat\": `law` 'exat' is unknown"),
-        (RAMP, [(POLICY, f"{POLICY}\nforce_gain = -1")], "control.force_gain = -1: must be"),
-        (RAMP, [('"265 kPa"', '"500 kPa"')], "run.pressures: must be at most the supply's"),
-        (RAMP, [('force = "15 N"', "force = 15")], "demand[0].force = 15: `force` must be a force"),
-        (RAMP, [(POLICY, "")], "control.policy: missing"),
+        (GAS, [("[run]", '[run]\nposition = "80 mm"')], "run.position"),
+        (GAS, [(GAS[GAS.index("[load]") : GAS.index("[fluid]") + 7], MOVED)], "load"),
+        (GAS, [('dt = "1 ms"', 'dt = "7 ms"')], "run.duration"),
+        (GAS, [('dt = "1 ms"', 'dt = "1 ns"')], "run.duration"),
+        (GAS, [('kind = "hanging_mass"', "")], "load.kind"),
+        (OIL, [('"constant"', '"tank"\nvolume = "1 L"')], "supply.kind"),
+        (PUMPED, [("= 0.9\n", "= 1.9\n")], "supply.pump.mechanical_efficiency"),
+        (PUMPED, [('"350 kPa"', '"450 kPa"')], "supply.pump.switch_off"),
+        (JOINT, [('"-60 deg"', '"-60 mm"')], "load.stop.low"),
+        (JOINT, [('"6 mm"', '"80 mm"')], "load"),
+        (GAS, [("_1_4", "_1_5")], "bundle"),
+        (GAS, [('bundle = "kim2021_bundle_1_4"', "")], "bundle"),
+        (GAS, [("[run]", '[run]\nlaw = "exat"')], "run.law"),
+        (RAMP, [(POLICY, f"{POLICY}\nforce_gain = -1")], "control.force_gain"),
+        (RAMP, [('"265 kPa"', '"500 kPa"')], "run.pressures"),
+        (RAMP, [('force = "15 N"', "force = 15")], "demand[0].force"),
+        (RAMP, [(POLICY, "")], "control.policy"),
         (
             RAMP,
             [(POLICY, f'{POLICY}\nmodel = "kim2021_bundle_1_4"')],
-            "control.model = \"kim2021_bundle_1_4\": must have the bundle's motor units",
+            "control.model",
         ),
     ],
 )  # fmt: skip
-def test_bad_input_is_one_line_with_its_key(refusal, text, edits, message):
-    assert message in refusal(loads_scenario, edited(text, *edits))
+def test_bad_input_is_one_line_with_its_key(refusal, text, edits, argument):
+    assert argument == refusal(loads_scenario, edited(text, *edits))
 
 
 @pytest.mark.parametrize("kind", ["{}", "1", '["constant"]'])
@@ -187,9 +189,8 @@ def test_kind_must_be_a_name(table, key, name, kind):
         section = section.setdefault(part, {})
     section[key] = tomllib.loads(f"x = {kind}")["x"]
     dotted = f"{table}.{key}".lstrip(".")
-    with pytest.raises(ValueError, match=rf"^x\.toml: {re.escape(dotted)}\b") as refused:
+    with refuses(dotted):
         scenario_from_dict(data, "x.toml", Path(), "x")
-    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(
@@ -197,16 +198,15 @@ def test_kind_must_be_a_name(table, key, name, kind):
 )
 def test_incompressible_liquid_is_refused(compliance):
     text = re.sub(r"(?m)^compliance = .*$", compliance, example_text("lift_oil"))
-    with pytest.raises(ValueError, match=r"^x\.toml: fluid\.compliance") as refused:
+    with refuses("fluid.compliance"):
         loads_scenario(text, "x.toml")
-    assert 'write compliance = "2e-11 m^3/Pa"' in str(refused.value)
 
 
 def test_runs_that_are_too_large_are_refused():
     rows = "[[bundle.motor_unit]]\ncount = 1\n" * 100
     many = RAMP.replace("[[bundle.motor_unit]]\ncount = 1\n", rows, 1)
     many = edited(many, ('["265 kPa", "0 kPa"]', '"0 kPa"'), ('"2 s"', '"500 s"'))
-    with pytest.raises(ValueError, match=r"^x\.toml: run\.duration = .* 1000000 steps of .* motor"):
+    with refuses("run.duration"):
         loads_scenario(many, "x.toml")
 
 

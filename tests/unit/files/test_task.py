@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle.files.calibration_files import sample_muscles
 from fascicle.files.task import load_task, loads_task
+from refusing import refuses
 
 
 PLAIN = """format = 1
@@ -88,7 +89,7 @@ def test_cycle_is_read_and_needs_air():
     assert (read.hose_length, read.b) == (1.5, 0.3)
     for old, new, key in (("air", "liquid", "cycle"), ("= 20", "= 121", "cycle.per_minute")):
         text = PLAIN.replace('scheme = "batch"', 'fluid = "air"') + "muscles = 2\n" + cycle
-        with pytest.raises(ValueError, match=rf"^<text>: {key}[: =]+[^\n]+$"):
+        with refuses(key):
             loads_task(text.replace(old, new))
 
 
@@ -118,36 +119,36 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("more", "message"),
+    ("more", "argument"),
     [
-        ("muscles = 2\n[scatter]\ndraws = 1\n", "scatter.draws = 1: must be"),
-        ('muscles = 2\n[limits]\nsafety = "100 %"\n', "`safety` must lie in (0, 1)"),
-        ('muscles = 2\n[scatter]\nwall_thickness = "60 %"\n', "`wall_thickness` must lie in"),
-        ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block = 0: must be"),
-        ("muscles = 2.5\n", "design.muscles[0]: must be a whole number"),
-        ('muscles = 2\n[limits]\nmargin = "9 N"\n', "`margin` must be a number"),
+        ("muscles = 2\n[scatter]\ndraws = 1\n", "scatter.draws"),
+        ('muscles = 2\n[limits]\nsafety = "100 %"\n', "limits.safety"),
+        ('muscles = 2\n[scatter]\nwall_thickness = "60 %"\n', "scatter.wall_thickness"),
+        ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block"),
+        ("muscles = 2.5\n", "design.muscles[0]"),
+        ('muscles = 2\n[limits]\nmargin = "9 N"\n', "limits.margin"),
         (
             'muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n',
-            'limits.envelope.at_most = "6 N": `at_most` must be a length',
+            "limits.envelope.at_most",
         ),
-        ('muscles = 2\nunit_factors = "-1"\n', "`unit_factors` must lie in"),
-        ('muscles = 2\n[limits]\nnot_reached = { at_most = "100 %" }\n', "must lie in [0, 1)"),
-        ('muscles = 2\ndensity = "1100"\n', "write it with its unit"),
-        ('muscles = 2\n[prices]\nvalve = "90 EUR"\nair = "2 $/m^3"\n', "another price is in EUR"),
+        ('muscles = 2\nunit_factors = "-1"\n', "design.unit_factors"),
+        ('muscles = 2\n[limits]\nnot_reached = { at_most = "100 %" }\n', "limits.not_reached"),
+        ('muscles = 2\ndensity = "1100"\n', "design.density"),
+        ('muscles = 2\n[prices]\nvalve = "90 EUR"\nair = "2 $/m^3"\n', "prices.air"),
     ],
 )
-def test_invalid_task_files_are_one_line(refusal, more, message):
-    assert message in refusal(loads_task, PLAIN + more)
+def test_invalid_task_files_are_one_line(refusal, more, argument):
+    assert argument == refusal(loads_task, PLAIN + more)
 
 
 def test_invalid_demands_are_refused(refusal):
     before, strain, after = PLAIN.partition('strain = [0.16, "5 %"]\n')
-    for demand, message in (
-        (strain + 'stroke = "25 mm"\n', 'task.stroke = "25 mm": `stroke` in m or `strain`'),
-        ("", "task.stroke: `stroke` in m or `strain` must give"),
-        ('stroke = "0 mm"\n', "this task does no work"),
+    for demand, argument in (
+        (strain + 'stroke = "25 mm"\n', "task.stroke"),
+        ("", "task.stroke"),
+        ('stroke = "0 mm"\n', "task.force"),
     ):
-        assert message in refusal(loads_task, f"{before}{demand}{after}muscles = 2\n")
+        assert argument == refusal(loads_task, f"{before}{demand}{after}muscles = 2\n")
 
 
 def test_fit_error_is_noted(tmp_path):
@@ -182,7 +183,7 @@ def test_constants_are_drawn_from_the_calibration(tmp_path):
 def test_sixty_muscles_of_few_units_are_a_space():
     bundle = PLAIN + "muscles = 60\n"
     assert len(loads_task(bundle + "[limits]\nvalves = { at_most = 3 }\n").space) == 1771
-    with pytest.raises(ValueError, match=r"muscles.*splits, more than 2000000.*5 motor units"):
+    with refuses("design.muscles"):
         loads_task(bundle)
 
 

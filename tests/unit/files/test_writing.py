@@ -12,6 +12,7 @@ from fascicle.muscle.collapse import COLLAPSE_LAWS
 from fascicle.muscle.materials import MATERIALS, MooneyRivlin
 from fascicle.muscle.post_collapse import POST_COLLAPSE_LAWS
 from fascicle.muscle.tension import TENSION_LAWS, Kothera2009
+from refusing import refuses
 
 
 def bits(obj):
@@ -116,12 +117,12 @@ def test_refuses_what_a_file_cannot_describe(tmp_path):
     class Stiffer(Kim2021):
         pass
 
-    for obj, words in (
-        (3, "only a Muscle or a Bundle can be saved, got int"),
-        (MotorUnit(muscle), "got MotorUnit"),
-        (muscle.replace(length=jnp.array([0.1, 0.2])), r"`length` has the shape \(2,\)"),
-        (muscle.replace(buckling=Stiffer()), "`buckling` can be saved if it is one of"),
+    for obj, argument in (
+        (3, "obj"),
+        (MotorUnit(muscle), "obj"),
+        (muscle.replace(length=jnp.array([0.1, 0.2])), "length"),
+        (muscle.replace(buckling=Stiffer()), "buckling"),
     ):
-        with pytest.raises(ValueError, match=words):
+        with refuses(argument):
             save(obj, path)
     assert list(tmp_path.iterdir()) == []

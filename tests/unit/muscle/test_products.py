@@ -9,6 +9,7 @@ import fascicle as fs
 from fascicle.core.errors import InvalidInputError
 from fascicle.files.muscle_files import loads
 from fascicle.muscle.products import sleeve_angle
+from refusing import refuses
 
 
 MUSCLE = """format = 1
@@ -53,7 +54,7 @@ def test_diameters_are_taken_as_diameters():
     ],
 )
 def test_sizes_that_are_missing_or_contradict_are_refused(sizes):
-    with pytest.raises(ValueError, match="muscle"):
+    with refuses("muscle"):
         loads(MUSCLE + sizes)
 
 
@@ -76,15 +77,13 @@ def test_thinner_tubes_of_one_wall_contract_less():
     assert strains == sorted(strains, reverse=True)
 
 
-def test_constants_per_length_and_extensors_get_a_remedy():
+def test_constants_per_length_and_extensors_are_refused():
     law = '[muscle.tension]\nlaw = "martens2017"\nmodulus_2 = "2e10 Pa/m^2"\n'
     sizes = 'outer_radius = "10 mm"\nbraid_angle = "25 deg"\n'
-    with pytest.raises(ValueError, match="modulus_2") as error:
+    with refuses("muscle.tension.modulus_2"):
         loads(MUSCLE.replace('tension = "ideal"\n', "") + sizes + law)
-    assert "twice by the length" in str(error.value)
-    with pytest.raises(ValueError, match="braid_angle") as error:
+    with refuses("muscle.braid_angle"):
         loads(MUSCLE + sizes.replace("25", "72"))
-    assert "extensor" in str(error.value)
 
 
 def test_moduli_per_length_become_those_of_the_stretch():
