@@ -190,25 +190,27 @@ LENGTH = Range("m", 1e-4, 3e-3, 10.0, 100.0)  # a hair's width; a building's hei
 RADIUS = Range("m", 1e-5, 2e-4, 0.15, 1.0)  # of a single fiber; of a car tire and more
 _FACTOR = Range("-", 1e-6, 0.01, 100.0, 1e6)  # on a modulus: from foam to glass is 1e6
 
-RANGES: Mapping[str, Range] = MappingProxyType({
-    "length": LENGTH,
-    "outer_radius": RADIUS,
-    "radius": RADIUS,
-    # below a micrometer no rubber is a film; kitchen film is 10 µm
-    "wall_thickness": Range("m", 1e-6, 1e-5, 0.03, 0.5),
-    # 25 and 100 in the paper; past a thousand the force falls within a strain of 0.001
-    "transition_rate": Range("-", 1e-3, 0.5, 1e3, 1e6),
-    "youngs_modulus_factor": _FACTOR,
-    "hinge_stiffness_factor": _FACTOR,
-    # a large one is how to say that a muscle doesn't collapse
-    "collapse_moment_factor": Range("-", 1e-6, 0.01, 1e6, 1e9),
-    "c2": Range("-", 1e-4, 0.1, 10.0, 1e4),  # measured over modeled force
-    "c1": Range("N", -1e6, -1e5, 1e5, 1e6),  # the largest muscles pull 6 kN
-    # muscles in one motor unit: beyond a thousand it is rather a slip, whatever memory holds
-    "count": Range("-", 1.0, 1.0, 1e3, 1e6),
-    # a pascal is a tenth of a mm of water
-    "supply_pressure": Range("Pa", 1.0, 1e3, HIGHEST_PRESSURE, HIGHEST_PRESSURE),
-})  # fmt: skip
+RANGES: Mapping[str, Range] = MappingProxyType(
+    {
+        "length": LENGTH,
+        "outer_radius": RADIUS,
+        "radius": RADIUS,
+        # below a micrometer no rubber is a film; kitchen film is 10 µm
+        "wall_thickness": Range("m", 1e-6, 1e-5, 0.03, 0.5),
+        # 25 and 100 in the paper; past a thousand the force falls within a strain of 0.001
+        "transition_rate": Range("-", 1e-3, 0.5, 1e3, 1e6),
+        "youngs_modulus_factor": _FACTOR,
+        "hinge_stiffness_factor": _FACTOR,
+        # a large one is how to say that a muscle doesn't collapse
+        "collapse_moment_factor": Range("-", 1e-6, 0.01, 1e6, 1e9),
+        "c2": Range("-", 1e-4, 0.1, 10.0, 1e4),  # measured over modeled force
+        "c1": Range("N", -1e6, -1e5, 1e5, 1e6),  # the largest muscles pull 6 kN
+        # muscles in one motor unit: beyond a thousand it is rather a slip, whatever memory holds
+        "count": Range("-", 1.0, 1.0, 1e3, 1e6),
+        # a pascal is a tenth of a mm of water
+        "supply_pressure": Range("Pa", 1.0, 1e3, HIGHEST_PRESSURE, HIGHEST_PRESSURE),
+    }
+)
 
 
 _HYDRAULIC = (

@@ -42,8 +42,8 @@ from .muscles import AbstractMuscles, ExactMuscles, GeometricMuscles, MuscleTabl
 
 _ABOVE_SUPPLY = 1.2  # pressure of a closed chamber that is stretched, over its supply's, at most
 LAWS = ("table", "exact")  # values of the argument `law`
-_PARTS = ("load", "supply", "chamber", "valve", "exhaust_valve", "spool", "hysteresis",
-          "damping")  # fmt: skip
+_VALVES = ("valve", "exhaust_valve", "spool")
+_PARTS = ("load", "supply", "chamber", *_VALVES, "hysteresis", "damping")
 VOLUMES = ("conjugate", "geometric")  # values of the argument `volume`
 
 

@@ -12,13 +12,15 @@ from .tension import TENSION_LAWS
 
 
 # a kind's name is that of the muscle's argument, and of the key in files
-LAWS: Mapping[str, LawRegistry] = MappingProxyType({
-    "tension": TENSION_LAWS,
-    "buckling": BUCKLING_LAWS,
-    "collapse": COLLAPSE_LAWS,
-    "post_collapse": POST_COLLAPSE_LAWS,
-    "ends": ENDS_LAWS,
-})  # fmt: skip
+LAWS: Mapping[str, LawRegistry] = MappingProxyType(
+    {
+        "tension": TENSION_LAWS,
+        "buckling": BUCKLING_LAWS,
+        "collapse": COLLAPSE_LAWS,
+        "post_collapse": POST_COLLAPSE_LAWS,
+        "ends": ENDS_LAWS,
+    }
+)
 
 # kinds of law that files and tables leave out where it is the default: most muscles have rigid ends
 OMIT_IF_DEFAULT = frozenset({"ends"})

@@ -40,7 +40,6 @@ at rest and (B2), no shear. Moment and deflection have an infinite slope at the 
 """
 
 from collections.abc import Callable
-from functools import cache
 from itertools import pairwise
 from typing import ClassVar, NamedTuple
 
@@ -116,7 +115,7 @@ class Elastica(AbstractBuckling):
         """
         # the moment fixes m alone, m the arc's load on the branch, and both the strain
         onset, curve = column.branch
-        buckles, fits = xp.isfinite(onset), _fit_polynomials()
+        buckles, fits = xp.isfinite(onset), _FITS
         onset = guarded(buckles, onset, 0.0)
         bend = moment * column.free_length / (8 * column.bending_stiffness)  # kK
         reachable = logical_and(bend <= fits.largest_bend, buckles)
@@ -293,10 +292,8 @@ def _first_bracket(curve: _Curve, at_cut: BoolBatch, at_end: BoolBatch) -> _Brac
     cut_strain, end_strain = (expand_nodes(x.strain, cell) for x in curve[1:])
     previous = where(logical_and(is_cell, xp.logical_not(ends_at_cut)), cut_strain, -np.inf)
     largest_strain = xp.max_nodes(where(rank < cell, xp.maximum(cut_strain, end_strain), previous))
-    return _Bracket(
-        where(ends_at_cut, start, cut), where(ends_at_cut, cut, end), largest_strain,
-        xp.isfinite(xp.minimum(first_cut, first_end)),
-    )  # fmt: skip
+    low, high = where(ends_at_cut, start, cut), where(ends_at_cut, cut, end)
+    return _Bracket(low, high, largest_strain, xp.isfinite(xp.minimum(first_cut, first_end)))
 
 
 def _bent_arc(column: BucklingColumn, strain: BatchLike) -> tuple[BoolBatch, Batch]:
@@ -322,7 +319,6 @@ class _Fits(NamedTuple):
     largest_bend: float
 
 
-@cache  # fitted at the first use
 def _fit_polynomials() -> _Fits:
     """The elastica's polynomials, fitted at points computed from $K$ and $E$."""
     low, high = -0.03, _ENDS_MEET + 0.02  # beyond both ends, where a search may step
@@ -344,13 +340,13 @@ def _chord(load: Batch) -> tuple[Batch, Batch]:
     bends = load <= _EULER * (1 + 1e-12)  # at the onset it is this, or a rounding more
     inside = xp.maximum(guarded(bends, load, _EULER), -0.05)  # its ends have met at 0
     x = inside * (2 / _EULER) - 1
-    chord, slope = (polyval(x, c) for c in _fit_polynomials()[:2])
+    chord, slope = (polyval(x, c) for c in (_FITS.chord, _FITS.chord_slope))
     return where(bends, chord, 1.0), where(bends, slope, 0.0)
 
 
 def _modulus(bent: BoolBatch, load: Batch) -> tuple[Batch, Batch]:
     """Modulus $k$ and complete integral $K$ [-] of an elastica under a load $G$ [-]."""
-    m = polyval(guarded(bent, load, _EULER) * (2 / _EULER) - 1, _fit_polynomials().parameter)
+    m = polyval(guarded(bent, load, _EULER) * (2 / _EULER) - 1, _FITS.parameter)
     # k = √m has an infinite slope at the onset: exempt, but not a NaN when straight
     curved = logical_and(bent, m > 0)
     k = where(curved, xp.sqrt(guarded(curved, m)), 0.0)
@@ -389,3 +385,6 @@ def jacobi(u: BatchLike, integrals: Elliptic) -> tuple[Batch, Batch]:
         epsilon = epsilon + c * sin(phase)
         phase = (phase + arcsin(c / a * sin(phase))) / 2
     return phase, epsilon
+
+
+_FITS = _fit_polynomials()

@@ -45,18 +45,33 @@ class TonduLopez(AbstractTension):
     free: ClassVar[tuple[str, ...]] = ("strain_factor", "outer_radius")
 
     strain_factor: Batch = Constant(
-        "strain_factor", "b_k", "number", (0.01, 0.2, 5.0, 100.0), POSITIVE, 1.0,
+        "strain_factor",
+        "b_k",
+        "number",
+        (0.01, 0.2, 5.0, 100.0),
+        POSITIVE,
+        1.0,
         "factor on the strain at high pressures",
-    ).field()  # fmt: skip
+    ).field()
     strain_factor_rise: Batch = Constant(
-        "strain_factor_rise", "a_k", "number", (-100.0, -5.0, 5.0, 100.0), symmetric_scale(1.0),
-        0.0, "rise of the strain factor at zero pressure",
-    ).field()  # fmt: skip
+        "strain_factor_rise",
+        "a_k",
+        "number",
+        (-100.0, -5.0, 5.0, 100.0),
+        symmetric_scale(1.0),
+        0.0,
+        "rise of the strain factor at zero pressure",
+    ).field()
     decay_pressure: Batch = Constant(
         # for pressures up to 1 MPa
-        "decay_pressure", "P_k", "pressure", (1.0, 1e3, 1e7, 1e9), POSITIVE, 1e5,
+        "decay_pressure",
+        "P_k",
+        "pressure",
+        (1.0, 1e3, 1e7, 1e9),
+        POSITIVE,
+        1e5,
         "pressure over which the rise falls to 1/e",
-    ).field()  # fmt: skip
+    ).field()
 
     def __check_init__(self):
         if is_concrete(self.strain_factor, self.strain_factor_rise):
@@ -94,13 +109,23 @@ class Meller2014(AbstractTension):
 
     strain_factor: Batch = Constant(
         # 1 to 1.6 in muscles
-        "strain_factor", r"f_\varepsilon", "number", (0.01, 0.2, 5.0, 100.0), POSITIVE, 1.0,
+        "strain_factor",
+        r"f_\varepsilon",
+        "number",
+        (0.01, 0.2, 5.0, 100.0),
+        POSITIVE,
+        1.0,
         "factor on the strain: ideal over measured free strain",
-    ).field()  # fmt: skip
+    ).field()
     force_factor: Batch = Constant(
-        "force_factor", "f_F", "number", (1e-4, 0.1, 10.0, 1e4), POSITIVE, 1.0,
+        "force_factor",
+        "f_F",
+        "number",
+        (1e-4, 0.1, 10.0, 1e4),
+        POSITIVE,
+        1.0,
         "factor on the force: measured over ideal blocked force",
-    ).field()  # fmt: skip
+    ).field()
 
     @classmethod
     def from_measured(

@@ -56,9 +56,14 @@ class ElasticBraid(AbstractTension):
 
     fiber_stiffness: Batch = Constant(
         # soft nylon braids are some 20 MPa, aramid ones some GPa; no double feels the largest
-        "fiber_stiffness", "k_f", "pressure", (1e5, 1e7, 1e11, 1e300), POSITIVE, 1e9,
+        "fiber_stiffness",
+        "k_f",
+        "pressure",
+        (1e5, 1e7, 1e11, 1e300),
+        POSITIVE,
+        1e9,
         "stiffness of all fibers, EA times their number, over the section inside the braid at rest",
-    ).field()  # fmt: skip
+    ).field()
 
     @classmethod
     def from_fibers(cls, braid: Braid, stiffness: Values, count: Values = 1) -> "ElasticBraid":

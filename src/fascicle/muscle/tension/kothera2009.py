@@ -62,20 +62,17 @@ class Kothera2009(AbstractTension):
         stretch = sqrt(square)
         hoop, hoop_slope = stretch - 1, square_slope / (2 * stretch)
         wall = E * A * (lam - 1) / lam - area * (1 - bore) * E * hoop
-        wall_slope = -E * A / lam**2 - E * (
-            area_slope * (1 - bore) * hoop - area * bore_slope * hoop
-            + area * (1 - bore) * hoop_slope
-        )  # fmt: skip
+        thickness_slope = area_slope * (1 - bore) - area * bore_slope
+        hoop_force_slope = thickness_slope * hoop + area * (1 - bore) * hoop_slope
+        wall_slope = -E * A / lam**2 - E * hoop_force_slope
         if self.conservative:
             mesh, mesh_slope = braid.mesh(pressure, strain)
             return Pull(mesh, wall, mesh_slope, wall_slope)
         section = np.pi * r0**2
         mesh = pressure * (area * bore - section * square * bore**2)
-        mesh_slope = pressure * (
-            area_slope * bore + area * bore_slope
-            - section * (square_slope * bore**2 + 2 * square * bore * bore_slope)
-        )  # fmt: skip
-        return Pull(mesh, wall, mesh_slope, wall_slope)
+        ring_slope = area_slope * bore + area * bore_slope
+        bore_area_slope = section * (square_slope * bore**2 + 2 * square * bore * bore_slope)
+        return Pull(mesh, wall, pressure * (ring_slope - bore_area_slope), wall_slope)
 
 
 def _bore(wall: Batch, inside: Batch, slope: Batch) -> tuple[Batch, Batch]:
