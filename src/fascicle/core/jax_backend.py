@@ -61,7 +61,7 @@ def search_root(
 
     def step(state: tuple) -> tuple:
         n, search = state
-        return n + 1, search_step(search, *residual(theta, search.x))
+        return n + 1, search_step(jnp, search, *residual(theta, search.x))
 
     def is_unfinished(state: tuple) -> BoolBatch:
         n, search = state

@@ -55,11 +55,12 @@ def find_root(
     if array_namespace(value, slope, low, high, start) is not np:
         return _jax_backend().search_root(residual, *stop_gradient((theta, low, high, start)))
     zero = 0.0 * value
-    search = search_step(init_search(low + zero, high + zero, start + zero), value, slope)
+    search = init_search(low + zero, high + zero, start + zero)
+    search = search_step(np, search, value, slope)
     for _ in range(STEPS):
         if np.all(search.done):
             break
-        search = search_step(search, *residual(theta, search.x))
+        search = search_step(np, search, *residual(theta, search.x))
     return search.x
 
 
@@ -118,10 +119,11 @@ def init_search(low: BatchLike, high: BatchLike, start: BatchLike) -> Search:
     return Search(start, start + 4 * (high - low) + 1, low, high, start < -np.inf)
 
 
-def search_step(search: Search, value: Batch, slope: Batch) -> Search:
-    """Next state of a `search`; `value` and `slope`: of the residual at its `x`."""
+def search_step(xp: ModuleType, search: Search, value: Batch, slope: Batch) -> Search:
+    """Next state of a `search`; `value` and `slope`: of the residual at its `x`; `xp`: its arrays'
+    library.
+    """
     x, previous, low, high, done = search
-    xp = array_namespace(value, slope, x)
     absolute, logical_and, logical_or = xp.absolute, xp.logical_and, xp.logical_or
     where = xp.where
     low, high = where(value > 0, x, low), where(value > 0, high, x)

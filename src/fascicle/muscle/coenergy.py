@@ -77,7 +77,7 @@ def coenergy_at_rest(muscle: PressurizedMuscle) -> Batch:
     """Co-energy [J] at rest length: $P V(0)$, and that of fibers that stretch, ends that yield."""
     tension, P = muscle.law.tension, muscle.column.pressure
     volume = tension.bladder.braid.volume(0.0) - tension.bladder.volume
-    yielding = tension.ends.coenergy_at_rest(tension, P)
+    yielding = tension.ends.coenergy_at_rest(muscle.column.tension)
     return P * volume + tension.rest_coenergy(P) + yielding
 
 

@@ -121,7 +121,7 @@ class Piecewise(Module):
         if free_strain is None:
             free_strain = self.tension.free_strain(pressure)
         stiffness = E * bladder.second_moment, E * bladder.area  # in bending, along the axis
-        column = BucklingColumn(self.tension, pressure, free_strain, *stiffness)
+        column = BucklingColumn(self.tension.at(pressure), pressure, free_strain, *stiffness)
         column = self.buckling.solve(column)
         collapse = self.buckling.strain_at_moment(column, self.collapse_moment(pressure))
         hinge = self.tension.tuning.hinge_stiffness_at(pressure) * hinge_moment(bladder, E)

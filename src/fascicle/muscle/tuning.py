@@ -160,17 +160,27 @@ class Tuning(Module):
 
 
 class PressurizedTension(NamedTuple):
-    """A `law` of a `bladder` at given pressures: `pressure` $P_e$ [Pa] that the braid feels, and
-    the corrections `c1` [N] and `c2` [-] there.
+    """A `law` of a `bladder` and `ends` at given pressures: `pressure` $P_e$ [Pa] that the braid
+    feels, and the corrections `c1` [N] and `c2` [-] there.
     """
 
     law: AbstractTension
     bladder: Bladder
+    ends: AbstractEnds
     pressure: Batch
     c1: Batch
     c2: Batch
 
+    @property
+    def strain_ratio(self) -> Batch:
+        """Ratio of the bladder's strain to the muscle's [-] without a force."""
+        return self.ends.strain_ratio(self.bladder.braid.length)
+
     def pull(self, strain: BatchLike) -> Pull:
+        """Mesh and bladder force [N] at the muscle's `strain` [-], (E7)."""
+        return self.ends.pull(self, strain)
+
+    def bladder_pull(self, strain: BatchLike) -> Pull:
         """Mesh and bladder force [N] at a `strain` [-] of the bladder, (32) and (33)."""
         c1, c2 = self.c1, self.c2
         mesh, bladder, mesh_slope, bladder_slope = self.law.pull(
@@ -187,21 +197,15 @@ class TunedTension(Module):
     tuning: Tuning
     ends: AbstractEnds = Rigid()
 
-    def pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], (E7)."""
-        if self.ends.is_compliant:
-            return self.ends.pull(self, pressure, strain)
-        return self.bladder_pull(pressure, strain)
-
-    def bladder_pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Mesh and bladder force [N] at a `strain` [-] of the bladder, (32) and (33)."""
-        return self.at(pressure).pull(strain)
-
     def at(self, pressure: BatchLike) -> PressurizedTension:
-        """The bladder's law with its corrections at `pressure` [Pa]."""
+        """The law with its corrections at `pressure` [Pa]."""
         P_e = self.tuning.effective_pressure(pressure)
         c1, c2 = self.tuning.c1_at(P_e), self.tuning.c2_at(P_e)
-        return PressurizedTension(self.law, self.bladder, P_e, c1, c2)
+        return PressurizedTension(self.law, self.bladder, self.ends, P_e, c1, c2)
+
+    def pull(self, pressure: BatchLike, strain: BatchLike) -> Pull:
+        """Mesh and bladder force [N] at `pressure` [Pa] and `strain` [-], (E7)."""
+        return self.at(pressure).pull(strain)
 
     def force(self, pressure: BatchLike, strain: BatchLike) -> Batch:
         """Tuned force $F_{mod}$ [N] at `pressure` [Pa] and `strain` [-], (31)."""
@@ -220,7 +224,7 @@ class TunedTension(Module):
     @property
     def strain_ratio(self) -> Batch:
         """Ratio of the bladder's strain to the muscle's [-] without a force."""
-        return self.ends.strain_ratio(self.bladder.braid.length) if self.ends.is_compliant else 1.0
+        return self.ends.strain_ratio(self.bladder.braid.length)
 
 
 def _tuning_table(pressures: Values, c1: Values, c2: Values) -> tuple[Rows, Rows, Rows]:

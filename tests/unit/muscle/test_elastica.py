@@ -51,7 +51,7 @@ def test_state_is_an_equilibrium(strain):
     K, k = float(mpmath.ellipk(m)), math.sqrt(m)
     EI, L_fs = float(column.bending_stiffness), float(column.free_length)
     N = 16 * K**2 * EI / (L_fs * length)
-    assert_allclose(-column.tension.force(P, arc), N * chord, rtol=1e-9)
+    assert_allclose(-column.pull(arc).force, N * chord, rtol=1e-9)
     assert_allclose(state.mesh + state.bladder + state.bending, -N, rtol=1e-9)
     assert_allclose(state.deflection, length * k / K, rtol=1e-8)
     assert_allclose(state.moment, 8 * k * K * EI / L_fs, rtol=1e-8)
@@ -61,7 +61,7 @@ def test_state_is_an_equilibrium(strain):
 
 def test_straight_until_the_first_onset():
     EI, L_fs = column.bending_stiffness, column.free_length
-    held = -column.tension.force(P, onset) * L0 * (1 - onset) * L_fs
+    held = -column.pull(onset).force * L0 * (1 - onset) * L_fs
     assert_allclose(held, 4 * math.pi**2 * EI, rtol=1e-12)
     below = np.linspace(float(column.free_strain), onset, 9)
     state = buckled(below)

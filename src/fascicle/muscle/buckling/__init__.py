@@ -34,7 +34,7 @@ from ...core.parameters import SHARE, Constant, Switch
 from ...core.types import Batch, BatchLike, BoolBatch, PyTree
 from ..law import AbstractLaw, LawRegistry
 from ..tension import Pull
-from ..tuning import TunedTension
+from ..tuning import PressurizedTension
 
 
 BRAID_SHARE = Constant(
@@ -54,7 +54,7 @@ class BucklingColumn(NamedTuple):
     $EA$ [N]; `branch`: the law's results that depend on pressure alone.
     """
 
-    tension: TunedTension
+    tension: PressurizedTension
     pressure: Batch
     free_strain: Batch
     bending_stiffness: Batch
@@ -73,7 +73,7 @@ class BucklingColumn(NamedTuple):
 
     def pull(self, strain: BatchLike) -> Pull:
         """Force [N] of the tension law in its components, with slopes, at a `strain` [-]."""
-        return self.tension.pull(self.pressure, strain)
+        return self.tension.pull(strain)
 
 
 class Centerline(NamedTuple):
@@ -123,8 +123,7 @@ class AbstractBuckling(AbstractLaw):
         """The `column` with its bending stiffness, (B2) and (S1) [N·m²], and its `branch`."""
         tension, EI = column.tension, column.bending_stiffness
         bladder, free = tension.bladder, column.free_strain * tension.strain_ratio
-        P = tension.tuning.effective_pressure(column.pressure)
-        EI = EI + self.braid_share * bladder.braid.bending_stiffness(P, free)
+        EI = EI + self.braid_share * bladder.braid.bending_stiffness(tension.pressure, free)
         if getattr(self, SHEAR.name, SHEAR.options[0]) == "engesser":
             G_A = column.axial_stiffness / (2 * (1 + bladder.material.poisson_ratio))
             S = _KAPPA * G_A + np.pi * bladder.braid.radius_at(free) ** 2 * column.pressure

@@ -78,8 +78,7 @@ class Kim2021(AbstractBuckling):
     def branch(self, column: BucklingColumn) -> Batch:
         """The bladder's force at the free strain [N], at which no ends yield."""
         tension = column.tension
-        strain = column.free_strain * tension.strain_ratio
-        return tension.bladder_pull(column.pressure, strain).bladder
+        return tension.bladder_pull(column.free_strain * tension.strain_ratio).bladder
 
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Components of the force [N], negative where it pushes, at `strain` [-], (16) and (27)."""

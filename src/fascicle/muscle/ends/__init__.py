@@ -43,7 +43,7 @@ from ..tension import Pull
 
 
 if TYPE_CHECKING:
-    from ..tuning import PressurizedTension, TunedTension
+    from ..tuning import PressurizedTension
 
 _FARTHEST = 0.95  # of the bladder's strain: beyond the domain of strains
 _NEARLY_STRAIGHT = 0.999  # share of the strain of straight fibers, where the pull has no bound
@@ -61,11 +61,10 @@ def integrate_pieces(
 
 
 class AbstractEnds(AbstractLaw):
-    """Law of a muscle's ends; its methods are those of rigid ends unless a law overrides them, and
-    are used if `is_compliant`, which all but `Rigid` are. `compliance`: of both ends [m/N].
+    """Law of a muscle's ends; its methods are those of rigid ends unless a law overrides them.
+    `compliance`: of both ends [m/N].
     """
 
-    is_compliant: ClassVar[bool] = True
     compliance: ClassVar[Batch] = 0.0
 
     def strain_ratio(self, length: BatchLike) -> Batch:
@@ -73,14 +72,13 @@ class AbstractEnds(AbstractLaw):
         del length
         return 1.0
 
-    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Force and slope [N] at `pressure` [Pa] and `strain` [-], by default the bladder's."""
-        return tension.bladder_pull(pressure, strain)
+    def pull(self, tension: "PressurizedTension", strain: BatchLike) -> Pull:
+        """Force and slope [N] at the muscle's `strain` [-], by default the bladder's."""
+        return tension.bladder_pull(strain)
 
-    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
-        """Co-energy [J] beyond $P V(0)$ at rest and `pressure` [Pa]; zero unless ends yield."""
-        del tension
-        return 0.0 * pressure
+    def coenergy_at_rest(self, tension: "PressurizedTension") -> Batch:
+        """Co-energy [J] beyond $P V(0)$ at rest; zero unless ends yield."""
+        return 0.0 * tension.pressure
 
 
 class Rigid(AbstractEnds):
@@ -88,7 +86,6 @@ class Rigid(AbstractEnds):
 
     name: ClassVar[str] = "rigid"
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021)"
-    is_compliant: ClassVar[bool] = False
 
 
 class Compliant(AbstractEnds):
@@ -116,13 +113,7 @@ class Compliant(AbstractEnds):
         """Ratio $s$ of the bladder's strain to the muscle's [-] of `length` $L_0$ [m]."""
         return length / (length - self.inactive_length)
 
-    def bladder_strain(
-        self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike
-    ) -> Batch:
-        """Strain of the bladder [-], (E8), at `pressure` [Pa] and the muscle's `strain` [-]."""
-        return self._bladder_strain(tension.at(pressure), strain)
-
-    def _bladder_strain(self, tension: "PressurizedTension", strain: BatchLike) -> Batch:
+    def bladder_strain(self, tension: "PressurizedTension", strain: BatchLike) -> Batch:
         """Strain of the bladder [-], (E8), at the muscle's `strain` [-]."""
         L0, braid = tension.bladder.braid.length, tension.bladder.braid
         s = self.strain_ratio(L0)
@@ -130,7 +121,7 @@ class Compliant(AbstractEnds):
         # compliant ends keep fibers from being straight, where a bladder's pull has no bound
         straight = _NEARLY_STRAIGHT * braid.straight_strain
         start = where(rise > 0, maximum(unloaded, straight), unloaded)
-        pull = tension.pull(start)
+        pull = tension.bladder_pull(start)
         # where T falls, the bladder's strain lies between both
         loaded = unloaded + rise * pull.force
         low = minimum(start, maximum(loaded, straight))
@@ -140,21 +131,21 @@ class Compliant(AbstractEnds):
         start = minimum(maximum(start + (loaded - start) / fall, low), high)
         return root(_strain_residual, (tension, unloaded, rise), low, high, start)
 
-    def pull(self, tension: "TunedTension", pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Force and slope [N] at `pressure` [Pa] and the muscle's `strain` [-], by (E8)."""
-        L0, pressurized = tension.bladder.braid.length, tension.at(pressure)
-        pull = pressurized.pull(self._bladder_strain(pressurized, strain))
+    def pull(self, tension: "PressurizedTension", strain: BatchLike) -> Pull:
+        """Force and slope [N] at the muscle's `strain` [-], by (E8)."""
+        L0 = tension.bladder.braid.length
+        pull = tension.bladder_pull(self.bladder_strain(tension, strain))
         s = self.strain_ratio(L0)
         # dε_b/dε, from (E8)
         slope = s / (1 - s * self.end_compliance / L0 * pull.slope)
         return Pull(pull.mesh, pull.bladder, slope * pull.mesh_slope, slope * pull.bladder_slope)
 
-    def coenergy_at_rest(self, tension: "TunedTension", pressure: BatchLike) -> Batch:
-        """Co-energy (E9) [J] besides $P V(0)$ at rest length and `pressure` [Pa]."""
-        strain = self.bladder_strain(tension, pressure, 0.0 * pressure)
+    def coenergy_at_rest(self, tension: "PressurizedTension") -> Batch:
+        """Co-energy (E9) [J] besides $P V(0)$ at rest length."""
+        strain = self.bladder_strain(tension, 0.0 * tension.pressure)
 
         def force(strain: Batch) -> Batch:
-            return tension.bladder_pull(pressure, strain).force
+            return tension.bladder_pull(strain).force
 
         active = tension.bladder.braid.length - self.inactive_length
         work = active * integrate_pieces(force, 0.0 * strain, strain)
@@ -164,7 +155,7 @@ class Compliant(AbstractEnds):
 def _strain_residual(theta: tuple, strain: Batch) -> tuple[Batch, Batch]:
     """Strain that the bladder lacks for (E8) [-], and its slope."""
     tension, unloaded, rise = theta
-    pull = tension.pull(strain)
+    pull = tension.bladder_pull(strain)
     return unloaded + rise * pull.force - strain, rise * pull.slope - 1
 
 
