@@ -76,14 +76,14 @@ class Elastica(AbstractBuckling):
 
     def branch(self, column: BucklingColumn) -> "_ElasticaBranch":
         """Onset [-] of a `column`, and the curve (E6) from there down to the free strain."""
-        onset = _onset(column)
+        onset = first_onset(column)
         fixed = stop_gradient(column)
         return _ElasticaBranch(onset, _curve(fixed, stop_gradient(onset), fixed.free_strain))
 
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:
         """Force by mesh, bladder, bending, its slope and the arc's strain at `strain` [-], (E3)."""
         bent, arc = _bent_arc(column, strain)
-        state = _state_at_arc(column, arc)
+        state = bent_state(column, arc)
         # straight at its free strain, an arc has a load of 0, which gives a chord of 0
         pull, T, chord = state.pull, state.pull.force, guarded(bent, state.chord)
         # dF/dε_a over dε/dε_a, of F = T/c; vertical at a fold
@@ -94,7 +94,7 @@ class Elastica(AbstractBuckling):
     def bow(self, column: BucklingColumn, strain: BatchLike) -> tuple[Batch, Batch]:
         """Deflection $\\ell k/K$ [m] and bending moment $8kK EI/L_{fs}$ [N·m] at `strain` [-]."""
         bent, arc = _bent_arc(column, strain)
-        k, K = _modulus(bent, _state_at_arc(column, arc).load)
+        k, K = _modulus(bent, bent_state(column, arc).load)
         moment = 8 * k * K * column.bending_stiffness / column.free_length
         return column.rest_length * (1 - arc) * k / K, moment
 
@@ -104,7 +104,7 @@ class Elastica(AbstractBuckling):
         cut, end = expand_nodes(curve.cut.strain, 0.0), expand_nodes(curve.end.strain, 0.0)
         bracket = _first_bracket(curve, cut < curve.start.strain, end < cut)
         # the strain is flat over the arc at a fold, which needs no slope of its own
-        fold = _state_at_arc(column, bracket.start).strain
+        fold = bent_state(column, bracket.start).strain
         exists = logical_and(bracket.exists, xp.isfinite(onset))
         return (where(logical_and(exists, bracket.start < stop_gradient(onset)), fold, np.inf),)
 
@@ -132,7 +132,7 @@ class Elastica(AbstractBuckling):
     def shape(self, column: BucklingColumn, strain: BatchLike, points: int) -> Centerline:
         """Centerline [m] of the exact elastica at `strain` [-], evenly spaced on the arc."""
         bent, arc = _bent_arc(column, strain)
-        k = xp.add_table_axis(_modulus(bent, _state_at_arc(column, arc).load)[0])
+        k = xp.add_table_axis(_modulus(bent, bent_state(column, arc).load)[0])
         integrals = elliptic(k**2)
         u = 4 * integrals.K * np.linspace(0.0, 1.0, points)
         phase, epsilon = jacobi(u, integrals)
@@ -152,12 +152,12 @@ class Elastica(AbstractBuckling):
             is_past = [expand_nodes(points.strain, eps) > eps for points in curve]
             for first, second in pairwise(is_past):
                 count = count + xp.sum_nodes(where(first != second, 1.0, 0.0))
-        straight = where(_state_at_arc(fixed, eps).load < _EULER, 1.0, -1.0)
+        straight = where(bent_state(fixed, eps).load < _EULER, 1.0, -1.0)
         # counts are whole numbers: more than the one that is followed
         return logical_and(count + straight > 1.5, eps > fixed.free_strain)
 
 
-class _BentState(NamedTuple):
+class BentState(NamedTuple):
     """Bent state at an arc's strain: load, chord over arc and strain [-], with slopes in it."""
 
     pull: Pull
@@ -169,7 +169,7 @@ class _BentState(NamedTuple):
     strain_slope: Batch
 
 
-def _state_at_arc(column: BucklingColumn, arc: Batch) -> _BentState:
+def bent_state(column: BucklingColumn, arc: Batch) -> BentState:
     """State (E6) at an arc's strain [-]; straight where the load $G$ is above $\\pi^2/4$."""
     pull = column.pull(arc)
     unit = column.free_length * column.rest_length / (16 * column.bending_stiffness)
@@ -178,20 +178,20 @@ def _state_at_arc(column: BucklingColumn, arc: Batch) -> _BentState:
     chord, by_load = _chord(load)
     chord_slope = by_load * load_slope
     strain, strain_slope = 1 - (1 - arc) * chord, chord - (1 - arc) * chord_slope
-    return _BentState(pull, load, load_slope, chord, chord_slope, strain, strain_slope)
+    return BentState(pull, load, load_slope, chord, chord_slope, strain, strain_slope)
 
 
 def _load_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
     """Target load minus that of an arc [-], and its slope."""
     column, target = theta
-    state = _state_at_arc(column, arc)
+    state = bent_state(column, arc)
     return target - state.load, -state.load_slope
 
 
 def _strain_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
     """Strain of a bent state minus its target [-], and its slope."""
     column, target = theta
-    state = _state_at_arc(column, arc)
+    state = bent_state(column, arc)
     return state.strain - target, state.strain_slope
 
 
@@ -231,8 +231,8 @@ class _Bracket(NamedTuple):
         return 0.5 * (self.start + self.stop)
 
 
-def _onset(column: BucklingColumn) -> Batch:
-    """First strain [-] at which the straight muscle buckles; inf where it never does."""
+def first_onset(column: BucklingColumn) -> Batch:
+    """First strain [-] at which the straight muscle buckles, (E5); inf where it never does."""
     fixed = stop_gradient(column)
     free = fixed.free_strain
     # a free strain past the domain's end would leave cells of no length
@@ -258,15 +258,15 @@ def _curve(column: BucklingColumn, onset: Batch, bottom: BatchLike) -> _Curve:
 
 
 def _cut_cells(
-    column: BucklingColumn, low: Batch, high: Batch, slope: Callable[[_BentState], Batch]
+    column: BucklingColumn, low: Batch, high: Batch, slope: Callable[[BentState], Batch]
 ) -> _Curve:
     """Cut each cell of arc strains [-] once: where `slope` changes sign, else in the middle."""
     # the error of the extremum is the square of the cut's
-    start, end = _state_at_arc(column, low), _state_at_arc(column, high)
+    start, end = bent_state(column, low), bent_state(column, high)
     a, b = (low, slope(start)), (high, slope(end))
     crosses = a[1] * b[1] < 0
     cut = 0.5 * (low + high)
-    state = _state_at_arc(column, cut)
+    state = bent_state(column, cut)
     for _ in range(_SECANT_STEPS):
         point = (cut, slope(state))
         beside_a = (point[1] > 0) == (a[1] > 0)
@@ -275,7 +275,7 @@ def _cut_cells(
         b = tuple(where(beside_b, new, old) for new, old in zip(point, b, strict=True))
         fraction = guarded(crosses, a[1]) / guarded(crosses, a[1] - b[1], 2.0)
         cut = where(crosses, a[0] + fraction * (b[0] - a[0]), cut)
-        state = _state_at_arc(column, cut)
+        state = bent_state(column, cut)
     ends = ((low, start), (cut, state), (high, end))
     return _Curve(*(_Points(arc, point.strain, point.load) for arc, point in ends))
 
