@@ -8,6 +8,7 @@ an error.
 
 import fnmatch
 import io
+import itertools
 import json
 import os
 import re
@@ -15,7 +16,6 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Collection, Iterable, Iterator
-from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,7 @@ _MEMORY = 2**30  # bytes
 _MAX_ERROR = 200  # characters of a library's message
 _LONGEST_FORMAT = 255  # characters of a number's format, Excel's own limit
 _MAX_CELLS = 5_000_000  # of a file: their text is some 100 MB
+_ROW_NUMBER = re.compile(rb'<(?:\w+:)?row\s(?:[^>]*?\s)?r="(-?\d+)"')
 _MAX_ROWS = 2**20  # of a sheet, Excel's own limit: a cell far below makes as many empty rows
 
 
@@ -122,6 +123,11 @@ def _read_sheets(raw: bytes) -> dict[str, str]:
 
     with zipfile.ZipFile(io.BytesIO(raw)) as archive:
         styles = archive.read("xl/styles.xml") if "xl/styles.xml" in archive.namelist() else b""
+        for name in fnmatch.filter(archive.namelist(), "xl/worksheets/*.xml"):
+            numbers = [0, *map(int, _ROW_NUMBER.findall(archive.read(name)))]
+            for before, number in itertools.pairwise(numbers):
+                if number <= before:  # openpyxl would leave the row out
+                    raise ValueError(f"a row is numbered {number}, not above {before}")
     # a search for dates in longer ones takes minutes
     if re.search(rb'formatCode="[^"]{%d}' % (_LONGEST_FORMAT + 1), styles):
         raise ValueError(f"a number's format has more than {_LONGEST_FORMAT} characters")
@@ -192,7 +198,7 @@ def _text(columns: Iterable[np.ndarray], names: Collection[str] = ()) -> str:
     if sum(values.size for values in columns) > _MAX_CELLS:
         raise ValueError(f"more than {_MAX_CELLS} numbers")
     columns = [values.astype(str) if values.dtype.kind == "M" else values for values in columns]
-    cells = zip_longest(*(map(str, values.tolist()) for values in columns), fillvalue="")
+    cells = itertools.zip_longest(*(map(str, values.tolist()) for values in columns), fillvalue="")
     header = ["\t".join(names)] if names else []
     return "\n".join([*header, *map("\t".join, cells), ""])
 

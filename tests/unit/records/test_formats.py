@@ -486,17 +486,41 @@ def test_xlsx_files(tmp_path):
     check(load(path, rest_length=REST, table="data 2"))
 
 
+def change_part(path, part, change):
+    """Apply a function to a part of a workbook."""
+    with zipfile.ZipFile(path) as source:
+        parts = {name: source.read(name) for name in source.namelist()}
+    parts[part] = change(parts[part])
+    with zipfile.ZipFile(path, "w") as changed:
+        for name, content in parts.items():
+            changed.writestr(name, content)
+
+
 def test_a_sheet_whose_formats_are_too_long_is_refused_at_once(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     openpyxl.Workbook().save(tmp_path / "m.xlsx")
-    with zipfile.ZipFile(tmp_path / "m.xlsx") as source:
-        parts = {name: source.read(name) for name in source.namelist()}
-    parts["xl/styles.xml"] += b'<numFmt formatCode="' + b"[" * 300 + b'"/>'
-    with zipfile.ZipFile(tmp_path / "m.xlsx", "w") as changed:
-        for name, part in parts.items():
-            changed.writestr(name, part)
+    form = b'<numFmt formatCode="' + b"[" * 300 + b'"/>'
+    change_part(tmp_path / "m.xlsx", "xl/styles.xml", lambda text: text + form)
     with pytest.raises(ValueError, match="255 characters"):
         load(tmp_path / "m.xlsx")
+
+
+@pytest.mark.parametrize("number", [b"-3", b"0", b"2"])
+def test_a_row_whose_number_does_not_rise_is_refused(tmp_path, number):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["Time [s]", "P [kPa]", "F [N]", "L [mm]"], *ROWS):
+        book.active.append(list(row))
+    book.save(path := tmp_path / "m.xlsx")
+    check(load(path, rest_length=REST))
+
+    def renumber(text):
+        assert b'<row r="3"' in text
+        return text.replace(b'<row r="3"', b'<row r="%s"' % number)
+
+    change_part(path, "xl/worksheets/sheet1.xml", renumber)
+    with pytest.raises(ValueError, match=number.decode()):
+        load(path, rest_length=REST)
 
 
 @pytest.mark.parametrize(
