@@ -28,6 +28,8 @@ LINES = [
     (f"efficiency {PAIR} --scheme free", "--path isotonic"),
     ("init --task --scenario", "--task and --scenario"),
     ("simulate lift_gas --compare", "[control]"),
+    ("simulate lift_gas --units 1,4", "--units"),
+    ("simulate kim2021_bundle_1_4 --units 1,4", "--units"),
     ("simulate ramp_hand_over --policy batch --compare", "drop --policy"),
     ("sweep t.toml --workers 1 --scheduler tcp://x", "--scheduler and --workers"),
     # options that were given twice

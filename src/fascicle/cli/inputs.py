@@ -65,15 +65,21 @@ def read_target(target: str) -> Any:
         return load_muscle(target) if text is None else loads(text, target)
 
 
-def read_scenario(target: str) -> Any:
-    """Read a `Scenario` by path or name; a file of that name comes first."""
+def read_scenario(target: str, units: str | None = None) -> "files.Scenario":
+    """Read a `Scenario` by path or name; a file of that name comes first. Of a bundle, or a muscle
+    with its `units`: one that lifts a mass.
+    """
+    path = Path(target) if is_path(target) else None
     with user_errors():
-        if not is_path(target):
+        if path is None:
             files.example_text(target)  # refuses an unknown name
         load_laws()  # the settings of JAX, which scenarios import
-        scenario = files.load_scenario(target) if is_path(target) else files.example(target)
+        scenario = files.example(target) if path is None else files.load(path)
     if not isinstance(scenario, files.Scenario):
-        raise UserError(f"{target}: no scenario: choose one of {', '.join(files.scenarios())}.")
+        with user_errors():
+            return files.lift_scenario(read_bundle(target, units), target, path)
+    if units is not None:
+        raise UserError(f"--units {units}: {target} is a scenario, which names its bundle.")
     return scenario
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import fascicle as fs
 
 from .. import files
+from . import options
 from .errors import UserError, user_errors
 from .inputs import read_scenario
 from .options import Text, argument, flag, option, with_options
@@ -26,9 +27,11 @@ def simulate(
     scenario: str = argument(
         "SCENARIO.toml",
         "Scenario file: bundle, load, fluid, supply, valves and schedule; or a named one, such as"
-        " lift_gas, ramp_hand_over or joint_gait; `fascicle init --scenario` writes one.",
+        " lift_gas, ramp_hand_over or joint_gait; `fascicle init --scenario` writes one. Of a"
+        " muscle or bundle: it lifts a mass as in lift_gas.",
         autocompletion=lambda: [*files.scenarios()],
     ),
+    units: options.Units = None,
     report: Text = option("HTML page with traces and energy balances.", "PATH"),
     bode: Text = option(
         "Bode diagram about the end of the run, and of the pressure loops: PNG, SVG or PDF.", "PATH"
@@ -49,7 +52,7 @@ def simulate(
         check_file("--bode", bode, outputs.overwrite, PICTURES)
     if compare and (policy is not None or bode is not None):
         raise UserError("--compare runs every policy: drop --policy and --bode.")
-    study = read_scenario(scenario)
+    study = read_scenario(scenario, units)
     if policy is not None or compensate is not None:
         with user_errors():
             study = study.with_policy(policy, compensate)

@@ -16,17 +16,17 @@ from ..core.lazy import attach_lazy
 if TYPE_CHECKING:
     from .measured_muscles import catalog
     from .muscle_files import dumps, loads, provenance, save
-    from .scenario import Scenario, load_scenario, loads_scenario
+    from .scenario import Scenario, lift_scenario, load_scenario, loads_scenario
 
 __all__ = [
     "load", "loads", "provenance", "save", "dumps", "example", "example_text", "examples",
-    "catalog", "Scenario", "load_scenario", "loads_scenario", "scenarios",
+    "catalog", "Scenario", "lift_scenario", "load_scenario", "loads_scenario", "scenarios",
 ]  # fmt: skip
 
 _HOMES = {
     **dict.fromkeys(("dumps", "loads", "provenance", "save"), "muscle_files"),
     "catalog": "measured_muscles",
-    **dict.fromkeys(("Scenario", "load_scenario", "loads_scenario"), "scenario"),
+    **dict.fromkeys(("Scenario", "lift_scenario", "load_scenario", "loads_scenario"), "scenario"),
 }
 __getattr__, __dir__ = attach_lazy(__name__, _HOMES)
 _SIMILARITY = 0.4  # of a name to suggest: "lift" is near "lift_gas"

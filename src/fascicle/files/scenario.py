@@ -25,8 +25,9 @@ from ..core.validation import check_choice, distinct_texts
 from ..dynamics import Plant, Schedule, State, Trajectory
 from ..fluid.flow_elements import REFERENCE_DENSITY
 from ..table_model import Quantity, TableModel, did_you_mean, validate
-from ..units import dimension_of_unit, quantity_example
-from .muscle_files import from_dict, load_named, parse_file, provenance, read_file
+from ..units import dimension_of_unit, exact, parse, quantity_example
+from . import shipped_text
+from .muscle_files import dumps, from_dict, load_named, parse_file, provenance, read_file
 from .schema import Angle, FileLocation, Force, Length, Number, Pressure, check_kind
 
 
@@ -371,6 +372,41 @@ def loads_scenario(
     none; `name`: of a scenario that has none in the file, default: `source`.
     """
     return scenario_from_dict(parse_file(text, source), source, folder, name or source)
+
+
+def lift_scenario(bundle: Bundle, name: str, path: Path | None = None) -> Scenario:
+    """Scenario `lift_gas` with another `bundle`: its motor units fill one after another, lift half
+    of the first one's blocked force, and are vented in reverse. `path`: of a calibrated muscle,
+    whose friction it has.
+    """
+    data = parse_file(shipped_text("scenarios", "lift_gas"), name)
+    tables = parse_file(dumps(bundle), name)
+    data |= {key: tables[key] for key in ("muscle", "bundle")}
+    supply, units = data["supply"], bundle.motor_units
+    if bundle.supply_pressure is not None:
+        supply["pressure"] = exact(float(bundle.supply_pressure), "pressure")
+    pressure, first = parse(supply["pressure"], "pressure"), units[0]
+    gravity = float(dynamics.HangingMass(1.0).gravity)
+    mass = first.count * float(first.muscle.blocked_force(pressure)) / 2 / gravity
+    # about as in `lift_gas`: damping by mass, stops by length, valves and hoses by volume
+    length, volume = float(first.muscle.length), 1e6 * float(first.muscle.braid.volume(0.0))
+    data["load"] |= {"mass": f"{mass:.3g} kg", "damping": f"{10 * mass:.3g} N*s/m"}
+    data["load"]["stop"] = {"low": f"{-0.15 * length:.3g} m", "high": f"{0.25 * length:.3g} m"}
+    data["fluid"]["dead_volume"] = [f"{0.125 * volume * unit.count:.3g} mL" for unit in units]
+    data["valve"]["C"] = f"{volume / 160:.3g} L/(s*bar)"
+    count, shut = len(units), [0] * len(units)
+    commands = [[*shut[:k], way, *shut[k + 1 :]] for way in (1, -1) for k in range(count)]
+    times = [*(2 * k for k in range(count)), *(3 * count - 1 - k for k in range(count))]
+    rows = dict(zip(times, commands, strict=True)) | {2 * k + 1: shut for k in range(count)}
+    data["schedule"] = [{"time": f"{t} s", "command": rows[t]} for t in sorted(rows)]
+    data["run"]["duration"] = f"{3 * count} s"
+    data["name"] = f"{name} with {mass:.3g} kg"
+    if path is None:
+        return scenario_from_dict(data, name, None, name)
+    calibration = provenance(path)
+    for part in (part for part in _MEASURED if "kind" in calibration.get(part, {})):
+        data[part] = {"kind": "measured", "muscle": path.name}
+    return scenario_from_dict(data, name, path.parent, name)
 
 
 def scenario_from_dict(

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 import fascicle as fs
 from fascicle.calibrate import fit
 from fascicle.calibrate.findings import calibration_findings
-from fascicle.dynamics import Damping, MaxwellSlip
-from fascicle.files import load_scenario, loads_scenario
+from fascicle.dynamics import Damping, MaxwellSlip, audit
+from fascicle.files import lift_scenario, load_scenario, loads_scenario
 from fascicle.files.calibration_files import provenance_of
 from fascicle.records import Record, Source, VirtualDynamometer, join
 from fascicle.report.calibration_words import damping_message
@@ -124,6 +124,26 @@ def test_plant_has_the_measured_damping_beside_springs_without_it(files, tmp_pat
     assert_allclose(calibration.friction.half_width(2e5), 1.0, atol=0.1)
     assert "use.damping_unknown" not in {x.code for x in calibration_findings(calibration)}
     assert damping_message(calibration)
+
+
+@pytest.mark.parametrize("units", [(1,), (2, 1, 3)])
+def test_a_calibrated_muscle_lifts_a_mass_with_its_friction(units, tmp_path):
+    calibration = fit(two_speeds([5e-3, 50e-3]), NOMINAL, ["c10"], whole=False)
+    path = tmp_path / "muscle.toml"
+    fs.save(calibration.muscle, path, provenance_of(calibration, "2026-11-22"))
+    bundle = fs.Bundle([fs.MotorUnit(calibration.muscle, count) for count in units])
+    scenario = lift_scenario(bundle, "muscle", path)
+    plant = scenario.plant
+    assert isinstance(plant.hysteresis, MaxwellSlip) and isinstance(plant.damping, Damping)
+    assert plant.counts.tolist() == list(units)
+    half = units[0] * calibration.muscle.blocked_force(plant.supply_pressure) / 2
+    # the file has three digits of the mass
+    assert_allclose(plant.load.mass * plant.load.gravity, half, rtol=5e-3)
+    run = scenario.run()
+    assert audit(plant, run).closes
+    position = run.outputs.position
+    assert np.max(position) > position[0] + 0.1 * float(calibration.muscle.length)
+    assert position[-1] < np.max(position)
 
 
 def test_one_speed_leaves_damping_unknown(tmp_path):
