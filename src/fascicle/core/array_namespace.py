@@ -22,8 +22,9 @@ _NUMPY = (np.ndarray, np.generic, float, int)
 
 def array_namespace(*values: Values) -> ModuleType:
     """Array library that computes with all of the `values`: NumPy or JAX's."""
-    if "jax" in sys.modules and any(map(is_jax_array, values)):
-        return sys.modules["jax.numpy"]
+    for value in values:
+        if not isinstance(value, _NUMPY) and is_jax_array(value):
+            return sys.modules["jax.numpy"]
     return np
 
 

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.array_namespace import absolute, array_namespace, maximum, minimum, sqrt, where
+from ..core.array_namespace import array_namespace
 from ..core.errors import InvalidInputError
 from ..core.module import Module, to_numpy, with_fields
 from ..core.types import Batch, Numbers, Values, Whole
@@ -91,44 +91,44 @@ class MuscleTable(Module):
         """Co-energy [J], force [N], volume [m³] and slopes at `pressure` [Pa] and `strain` [-],
         elementwise, without checks; `index`: of the muscle in a table of several.
         """
-        xp = array_namespace(pressure, strain, self.coefficients)
+        xp, L0 = array_namespace(pressure, strain, self.coefficients), self.rest_length
         lines, columns = self.coefficients.shape[-4:-2]
-        h, (low, high) = self.root_step, self.strains
+        h2, (low, high) = self.root_step**2, self.strains
         step = (high - low) / columns
-
         pressure, strain = xp.asarray(pressure), xp.asarray(strain)
-        P = minimum(maximum(pressure, 0.0), self.highest_pressure)
+
+        P = xp.minimum(xp.maximum(pressure, 0.0), self.highest_pressure)
+        first = h2 >= P
         # a root has no slope at zero, where the first cell doesn't ask for it
-        s = sqrt(where(h**2 < P, P, h**2))
-        i = minimum(xp.floor(s / h), lines - 1.0)
-        i = xp.where(h**2 < P, i, 0.0).astype(int)
-        first = i == 0
-        u = where(first, P / h**2, s / h - i)
-        u_P = where(first, 1 / h**2, 1 / (2 * s * h))
-        u_PP = where(first, 0.0, -1 / (4 * s**3 * h))
+        root = xp.sqrt(xp.where(first, h2, P) / h2)
+        i = xp.where(first, 0.0, xp.minimum(xp.floor(root), lines - 1.0))
+        u = xp.where(first, P / h2, root - i)
+        u_P = xp.where(first, 1.0, 0.5 / root) / h2
+        u_PP = xp.where(first, 0.0, -0.25 / root**3) / h2**2
 
-        eps = minimum(maximum(strain, low), high)
-        j = minimum(xp.floor((eps - low) / step), columns - 1.0).astype(int)
-        w = (eps - low) / step - j
+        eps = xp.minimum(xp.maximum(strain, low), high)
+        column = (eps - low) / step
+        j = xp.minimum(xp.floor(column), columns - 1.0)
+        w = column - j
 
-        cell = (i, j) if index is None else (index, i, j)
-        c = xp.asarray(self.coefficients)[cell]  # [..., power of u, power of w]
-        value, slope, bend = _cubic(c, w[..., None])  # in w, for each power of u
-        p, p_u, p_uu = _cubic(value, u)
-        p_w, p_wu, _ = _cubic(slope, u)
-        p_ww, _, _ = _cubic(bend, u)
+        cell = i.astype(int), j.astype(int)
+        c = xp.asarray(self.coefficients)[cell if index is None else (index, *cell)]
+        in_w = xp.stack(_cubic(c, w[..., None]), axis=-2)  # [..., derivative by w, power of u]
+        of_p, of_u, of_uu = _cubic(in_w, u[..., None])
+        p, p_w, p_ww = (of_p[..., k] for k in range(3))
+        p_u, p_wu, p_uu = of_u[..., 0], of_u[..., 1], of_uu[..., 0]
 
         P_past, eps_past = pressure - P, strain - eps  # linear past the table's ends
-        inside_P = absolute(P_past) <= PRESSURE_ROUNDING
-        V, V_w = p_u * u_P, p_wu * u_P
-        L0 = self.rest_length
+        inside_P = xp.absolute(P_past) <= PRESSURE_ROUNDING
+        V, V_w, share = p_u * u_P, p_wu * u_P, eps_past / step
+        by_strain = p_w + V_w * P_past
         return MuscleState(
-            coenergy=p + V * P_past + (p_w + V_w * P_past) * eps_past / step,
-            force=(p_w + V_w * P_past) / (step * L0),
-            volume=V + V_w * eps_past / step,
-            force_by_strain=where(eps_past == 0, p_ww / (step**2 * L0), 0.0),
+            coenergy=p + V * P_past + by_strain * share,
+            force=by_strain / (step * L0),
+            volume=V + V_w * share,
+            force_by_strain=xp.where(eps_past == 0, p_ww / (step**2 * L0), 0.0)[()],
             force_by_pressure=V_w / (step * L0),
-            volume_by_pressure=where(inside_P, p_uu * u_P**2 + p_u * u_PP, 0.0),
+            volume_by_pressure=xp.where(inside_P, p_uu * u_P**2 + p_u * u_PP, 0.0)[()],
         )
 
     def force(self, pressure: Values, strain: Values) -> Batch:

@@ -19,7 +19,6 @@ documentation, "Simulation", on `mj_step1` and `mj_step2`.
 
 import warnings
 from collections.abc import Sequence
-from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -28,7 +27,7 @@ import numpy as np
 
 from ..core.array_namespace import array_namespace, maximum, where
 from ..core.errors import InvalidInputError
-from ..core.module import Module, static, to_numpy, with_fields
+from ..core.module import Module, static, with_fields
 from ..core.types import Batch, Marks, Numbers, PyTree, Values, Whole
 from ..core.validation import (
     HIGHEST_PRESSURE,
@@ -254,13 +253,13 @@ class Drive(Module):
         A `TableWarning` says that a muscle has left its table; `status` of the fluid says which.
         `InvalidInputError` for a command that is none, and a simulation that diverges.
         """
-        check = validate_commands if self.valved else partial(self._check_pressures, name="command")
-        values = np.asarray(check(command), float)
+        check = validate_commands if self.valved else self._check_pressures
+        values = np.asarray(check(command, "command"), float)
         if values.shape not in {(), (self.units,)}:
             rule = f"must be one for each of the {self.units}"
             raise InvalidInputError("command", rule, values.size)
         if act is None:
-            act, fluid = self.act, to_numpy(fluid)  # which may come from compiled steps
+            act, fluid = self.act, Fluid(*map(np.asarray, fluid))  # which compiled steps may give
         _check_integrator(model)
         mujoco.mj_step1(model, data)
         lengths = data.actuator_length[list(self.actuators)]

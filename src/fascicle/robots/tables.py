@@ -8,7 +8,7 @@ import enum
 
 import numpy as np
 
-from ..core.array_namespace import array_namespace, maximum, minimum, where
+from ..core.array_namespace import array_namespace, minimum
 from ..core.types import Numbers, Whole
 from ..dynamics.muscles import AbstractMuscles, MuscleWrapper
 from ..muscle.table import MuscleState
@@ -52,14 +52,12 @@ class SoftEnds(MuscleWrapper):
         return cls(muscles, lengths, np.max(np.maximum(-slopes, 0.0), axis=0))
 
     def at(self, pressure: Numbers, strain: Numbers) -> MuscleState:
-        low, K, L0 = self.muscles.strains[0], self.edge_stiffness, self.lengths
-        edge = self.muscles.at(pressure, maximum(strain, low))
-        past = minimum(strain - low, 0.0)
-        return edge._replace(
-            coenergy=edge.coenergy + L0 * (edge.force - K * past / 2) * past,
+        edge, K = self.muscles.at(pressure, strain), self.edge_stiffness
+        past = minimum(strain - self.muscles.strains[0], 0.0)
+        return edge._replace(  # beside the table's force, which is constant past its end
+            coenergy=edge.coenergy - self.lengths * K * past**2 / 2,
             force=edge.force - K * past,
-            volume=edge.volume + L0 * edge.force_by_pressure * past,
-            force_by_strain=where(past < 0, -K, edge.force_by_strain),
+            force_by_strain=edge.force_by_strain - K * (past < 0),
         )
 
 
