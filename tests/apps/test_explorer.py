@@ -481,9 +481,19 @@ def barriers(page):
     return [f"{fault['id']}: {fault['nodes'][0]['html']}" for fault in grave]
 
 
-@pytest.mark.parametrize(("theme", "width", "height"), [("default", 390, 844), ("dark", 1280, 800)])
+@pytest.mark.parametrize(
+    ("theme", "width", "height"),
+    [
+        ("default", 390, 844),
+        ("dark", 1280, 800),
+        pytest.param("default", 1920, 1080, marks=pytest.mark.slow),
+        pytest.param("dark", 1920, 1080, marks=pytest.mark.slow),
+        pytest.param("dark", 390, 844, marks=pytest.mark.slow),
+        pytest.param("default", 1280, 800, marks=pytest.mark.slow),
+    ],
+)
 def test_a_page_is_tidy_and_has_no_barriers_that_axe_finds(visit, theme, width, height):
-    query = f"?muscle=kim2021_bundle_1_4&theme={theme}&scenario=joint_step"
+    query = f"?muscle=kim2021_bundle_1_4&theme={theme}&scenario=lift_gas"
     page = visit(query, width=width, height=height)
     assert (max(background(page)) < 60) == (theme == "dark")
     for tab in tabs_one_by_one(page):
@@ -524,11 +534,14 @@ def test_a_run_in_time_is_played_without_the_server(visit, tmp_path):
     page.on("websocket", lambda socket: socket.on("framesent", lambda x: sent.append(x)))  # noqa: PLW0108
     page.reload()  # its connection is watched
     until(page, READY)
-    field(page, "Run the bundle of the other tabs").uncheck()  # but the scenario's own
     run_button.click()
     frames = source(page, "time_frames", "d => d.time.length > 1 && d.time.length")
     # the numbers are those of the command
-    command = [sys.executable, "-m", "fascicle", "simulate", "ramp_hand_over", "--csv"]
+    with page.expect_download() as download:
+        page.get_by_text("Save scenario", exact=True).click()
+    download.value.save_as(tmp_path / "saved.toml")
+    saved = str(tmp_path / "saved.toml")
+    command = [sys.executable, "-m", "fascicle", "simulate", saved, "--csv"]
     done = subprocess.run([*command, "--policy", "threshold"], capture_output=True, text=True)
     run = np.genfromtxt(io.StringIO(done.stdout), delimiter=",", names=True, deletechars="")
     rows = np.searchsorted(run["time_[s]"], np.array(frames["time"]) - 1e-9)

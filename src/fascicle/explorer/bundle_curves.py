@@ -1,10 +1,9 @@
 """Curves of a bundle as arrays: its workspace, its state, and pressures for a point."""
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from ..bundle import Bundle, recruitment
 from ..bundle.energetics import unit_volume_change, work
@@ -20,7 +19,6 @@ from .state import View
 
 LEVELS, POINTS = 5, 161  # curves of each state, and points of each
 _PRESSURES = 97  # steps of 4 kPa at 60 psi, smooth on a screen
-_LOAD_LEVELS = 61  # pressures among which the nearest to a load is sought
 _FIBERS = {2: 7, 6: 5, 12: 3}  # each way around, for at most so many muscles
 _SPACING = 2.7  # from axis to axis at rest, over the largest radius
 
@@ -62,15 +60,14 @@ class BundleState(NamedTuple):
 class Recruitment(NamedTuple):
     """A recruitment `state`, counted from 1, under a load.
 
-    `force` [N]: the load, or the nearest force of a state that can't carry it (not `reached`). The
-    `pressures` [Pa] of all units that give it; `stable`: the force falls with strain; `fluid` [m³]
-    taken in from rest length on, NaN if it depends on more; `efficiency` [-], NaN at rest length.
+    The `pressures` [Pa] of all units that give the `force` [N], the load or the nearest to it;
+    `stable`: the force falls with strain; `fluid` [m³] taken in from rest length on, NaN if it
+    depends on more; `efficiency` [-], NaN at rest length.
     """
 
     state: int
     force: float
     pressures: tuple[float, ...]
-    reached: bool
     stable: bool
     fluid: float
     efficiency: float
@@ -123,53 +120,35 @@ def bundle_state(view: View, top: float) -> BundleState:
 
 def recruitments(
     bundle: Bundle, load: float, strain: float, resistance: bool, path: str
-) -> tuple[list[Recruitment], str]:
-    """All pressures for a `load` [N] at a `strain` [-], the cheapest first, then the nearest force
-    of each state that can't carry it; and a remark. The efficiency is that along a `path`.
+) -> tuple[int, list[Recruitment]]:
+    """Status of `bundle.recruit` for a `load` [N] at a `strain` [-], and all pressures that carry
+    it, the cheapest first; or those of the nearest force. The efficiency is that along a `path`.
     """
     result = bundle.recruit(load, strain, resistance=resistance)
-    states = states_of(bundle.scheme, len(bundle.motor_units))
-    supply, remark = resolve_supply_pressure(bundle), ""
+    status, states = int(result.status), states_of(bundle.scheme, len(bundle.motor_units))
+    supply = resolve_supply_pressure(bundle)
     try:
         volumes = unit_volume_change(bundle, strain)
-    except InvalidInputError:  # compliant ends
+    except InvalidInputError:  # compliant ends: it depends on the load, too
         volumes = np.full(len(bundle.motor_units), np.nan)
-        remark = "With compliant ends the fluid depends on the load, too: it isn't counted."
 
-    def row(state: int, P: np.ndarray, reachable: bool, stable: bool) -> Recruitment:
+    def row(state: int, P: np.ndarray, stable: bool) -> Recruitment:
         pressurized = P > 0 if states.independent else states.pressurized[state - 1]
         fluid, force = float(volumes[pressurized].sum()), float(bundle.force(P, strain, resistance))
         W = force * strain * float(bundle.length)  # along an isotonic path
         if path == "isobaric":
             W = float(work(bundle, P, strain, resistance))
         efficiency = W / (supply * fluid) if fluid > 0 else np.nan
-        return Recruitment(state, force, tuple(map(float, P)), reachable, stable, fluid, efficiency)
+        return Recruitment(state, force, tuple(map(float, P)), stable, fluid, efficiency)
 
-    if states.independent:  # one of a continuum: the cheapest
-        P, reachable = np.asarray(result.pressures), not result.status
-        return [row(int(result.state), P, reachable, bool(result.stable))], remark
+    if status or states.independent:  # or one of a continuum: the cheapest
+        return status, [row(int(result.state), np.asarray(result.pressures), bool(result.stable))]
     rows = [
-        row(int(state), states.pressures(state - 1, level, supply), True, bool(stable))
+        row(int(state), states.pressures(state - 1, level, supply), bool(stable))
         for level, state, stable in zip(*map(np.asarray, result.solutions), strict=True)
         if state > 0
     ]
-    rows.sort(key=lambda row: np.nan_to_num(row.fluid))
-    space = bundle.workspace(levels=_LOAD_LEVELS, strain=[strain], resistance=resistance)
-    nearest_rows = []
-    for state in {*range(1, states.size + 1)} - {row.state for row in rows}:
-
-        def distance(level: float, state: int = state) -> float:
-            P = states.pressures(state - 1, level, supply)
-            return abs(float(bundle.force(P, strain, resistance)) - load)
-
-        index = int(np.abs(space.force[state - 1, :, 0] - load).argmin())
-        ends = space.level[max(index - 1, 0)], space.level[min(index + 1, _LOAD_LEVELS - 1)]
-        search: Any = minimize_scalar(distance, bounds=ends, method="bounded")
-        # the search never takes an end, such as no pressure
-        nearest = min((float(space.level[index]), float(search.x)), key=distance)
-        P = states.pressures(state - 1, nearest, supply)
-        nearest_rows.append(row(state, P, False, False))
-    return rows + sorted(nearest_rows, key=lambda row: abs(row.force - load)), remark
+    return status, sorted(rows, key=lambda row: np.nan_to_num(row.fluid))
 
 
 def bundle_solids(view: View, top: float) -> BundleSolids:

@@ -11,6 +11,7 @@ import panel as pn
 from .. import plot
 from ..bundle import Bundle
 from ..bundle.energetics import PATHS
+from ..bundle.inverse import ABOVE
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
 from ..core.validation import check_interval
@@ -22,7 +23,7 @@ from ..results import tables
 from . import bundle_curves
 from . import widgets as ui
 from .bundle_curves import BundleState, BundleWorkspace, FreeStrainCurve, Recruitment
-from .chart import Chart, cycle_colors, hover_tooltips, padded_range
+from .chart import Chart, hover_tooltips, padded_range, unit_colors
 from .remarks import equilibria_text, remarks_html, words_html
 from .solid import Scene
 from .state import SIZES, Session, Unit, View, changed, check_units, check_value, scaled_muscle
@@ -35,6 +36,7 @@ _SCENE_HEIGHT = "var(--scene-height, clamp(240px, min(100vh - 540px, 90vw), 900p
 # both figures are on the screen: of the force, and of the free strain below it
 _FORCE_HEIGHT = "var(--figure-height, clamp(300px, min(46vh, 100vw), 800px))"
 _FREE_STRAIN_HEIGHT = "var(--figure-height, clamp(200px, 26vh, 400px))"
+_COMPLIANT = " With compliant ends the fluid depends on the load, too: it isn't counted."
 _NO_LOAD = "Enter a load, or click in the figure."
 _EXPLANATION = (
     "Unit 1 is at P1, unit 2 is being filled, later units are vented. At first unit 2 may resist"
@@ -354,7 +356,7 @@ class BundleView(StrainTab):
         self.top = max(0.1, float(np.ceil(result.top * 50) / 50))
         forces = np.where(space.force >= 0, space.force / scale, np.nan)
         (count, levels, _), outlines = forces.shape, map(space.outline, range(1, len(forces) + 1))
-        colors = cycle_colors(self.colors, count)
+        colors = unit_colors(self.colors, count)
         labels = [f"recruitment state {i + 1}" for i in range(count)]
         self._regions.data = _outline_columns(outlines, scale) | {"color": colors, "label": labels}
         self._levels.data = {
@@ -386,7 +388,7 @@ class BundleView(StrainTab):
         view, state = result
         unit, scale = self.unit("force")
         self.status.object = ""
-        colors = cycle_colors(self.colors, len(state.units))
+        colors = unit_colors(self.colors, len(state.units))
         xs, ys = [state.strain] * len(colors), list(state.units / scale)
         self._unit_forces.data = {"xs": xs, "ys": ys, "color": colors}
         self._force.data = {"strain": state.strain, "force": state.force / scale}
@@ -455,41 +457,37 @@ class BundleView(StrainTab):
         fields = self._load, self._load_strain
         self._solutions.visible = not any(field.message.pane.visible for field in fields)
 
-    def _show_recruitments(self, result: tuple[list[Recruitment], str]) -> None:
-        recruitments, remark = result
-        (unit, _), (volume, _) = self.unit("pressure"), ui.volume_unit(self.unit("length")[0])
+    def _show_recruitments(self, result: tuple[int, list[Recruitment]]) -> None:
+        status, recruitments = result
+        (unit, scale), (force_unit, force) = self.unit("pressure"), self.unit("force")
+        volume, volume_scale = ui.volume_unit(self.unit("length")[0])
         heads = ("state", f"pressures [{unit}]", "load", f"fluid [{volume}]", "η [–]")
-        rows = [self._recruitment_cells(recruitment) for recruitment in recruitments]
-        if recruitments[0].reached and len(rows) > 1:
+        limit = f"at {'most' if status == ABOVE else 'least'} {recruitments[0].force / force:.4g}"
+        rows, buttons = [], []
+        for row in recruitments:
+            how = (
+                f"{limit} {force_unit}"
+                if status
+                else f"reached{'' if row.stable else ', unstable'}"
+            )
+            pressures = ", ".join(f"{P / scale:.4g}" for P in row.pressures)
+            numbers = f"{row.fluid / volume_scale:.4g}", f"{row.efficiency:.3f}"
+            cells = (f"{row.state}", pressures, how, *numbers)
+            rows.append(["–" if cell == "nan" else cell for cell in cells])
+            rounded = tuple(float(f"{P:.6g}") for P in row.pressures)
+            label = f"Set state {row.state}" + ("" if row.stable or status else ", unstable")
+            change = partial(self.session.change, pressures=rounded)
+            buttons.append(ui.button(label + ", the nearest" * bool(status), change))
+        if len(rows) > 1:
             rows[0][2] = rows[0][2].replace("reached", "reached, cheapest")
             rows[0] = [f"<b>{cell}</b>" for cell in rows[0]]
         path = "constant pressure" if self.session.view.path == "isobaric" else "constant load"
-        note = f"Fluid is counted from rest length on, efficiency η at {path}. {remark}"
-        table = ui.html_table(heads, rows) + ui.status_line(ui.text_html(note))
-        settable = [row for row in recruitments if row.reached or row is recruitments[0]]
-        buttons = map(self._set_button, settable)
-        scroll = ui.pane(f'<div class="scroll">{table}</div>')
-        self._solutions.objects = [scroll, ui.row(*buttons, kind="wrapped")]
-
-    def _set_button(self, recruitment: Recruitment) -> pn.widgets.Button:
-        suffix = ", unstable" * (not recruitment.stable)
-        suffix = suffix if recruitment.reached else ", the nearest"
-        label = f"Set state {recruitment.state}{suffix}"
-        pressures = tuple(float(f"{P:.6g}") for P in recruitment.pressures)
-        return ui.button(label, lambda: self.session.change(pressures=pressures))
-
-    def _recruitment_cells(self, recruitment: Recruitment) -> list[str]:
-        """Cells of a row of the table: state, pressures, status, fluid and efficiency."""
-        (_, scale), (unit, force_scale) = self.unit("pressure"), self.unit("force")
-        _, volume_scale = ui.volume_unit(self.unit("length")[0])
-        status = "reached" if recruitment.stable else "reached, unstable"
-        if not recruitment.reached:
-            limit = "at most" if recruitment.force < (self.session.view.load or 0.0) else "at least"
-            status = f"{limit} {recruitment.force / force_scale:.4g} {unit}"
-        pressures = ", ".join(f"{P / scale:.4g}" for P in recruitment.pressures)
-        fluid, eta = f"{recruitment.fluid / volume_scale:.4g}", f"{recruitment.efficiency:.3f}"
-        cells = [f"{recruitment.state}", pressures, status, fluid, eta]
-        return ["–" if cell == "nan" else cell for cell in cells]
+        note = f"Fluid is counted from rest length on, efficiency η at {path}."
+        note += _COMPLIANT * any(np.isnan(row.fluid) for row in recruitments)
+        table = ui.pane(
+            f'<div class="scroll">{ui.html_table(heads, rows)}{ui.status_line(note)}</div>'
+        )
+        self._solutions.objects = [table, ui.row(*buttons, kind="wrapped")]
 
 
 def _outline_columns(

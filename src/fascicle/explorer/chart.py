@@ -4,7 +4,7 @@ Line styles differ as well as colors, so that no color is needed to read a figur
 """
 
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from itertools import cycle, islice
 from pathlib import Path
 from typing import Any
@@ -55,20 +55,14 @@ def pressure_colors(colors: Colors, count: int) -> list[str]:
     return [to_hex(colormaps["viridis"](x)) for x in np.linspace(low, high, max(count, 2))][:count]
 
 
-def cycle_colors(colors: Colors, count: int, first: int = 0) -> list[str]:
-    """Colors for `count` curves from the `first` on, which come again where there are too few."""
-    return list(islice(cycle(colors.curves[first:]), count))
+def unit_colors(colors: Colors, count: int) -> list[str]:
+    """Colors of `count` motor units, blue and orange first; they come again where they are few."""
+    return list(islice(cycle(colors.curves), count))
 
 
-def replace_colors(figures: Iterable[Any], before: Colors, after: Colors) -> None:
-    """Replace the colors of a page `before` by those of a page `after` in `figures` of Bokeh."""
-    old, new = ((c.ink, c.soft, c.line, c.paper, *c.curves) for c in (before, after))
-    colors = dict(zip(old, new, strict=True))
-    # each once, though figures share some: a new color may be an old one, too
-    for model in set().union(*(fig.references() for fig in figures)):
-        for name in model.properties():
-            if name.endswith("_color") and isinstance(color := getattr(model, name), str):
-                setattr(model, name, colors.get(color, color))
+def other_colors(colors: Colors, count: int) -> list[str]:
+    """Colors of `count` curves, never blue or orange; their line styles differ, too."""
+    return list(islice(cycle((*colors.curves[2:4], colors.soft, colors.ink)), count))
 
 
 def screen_height(margin: int) -> str:

@@ -19,7 +19,7 @@ from ..plot.theme import DASHES, Colors
 from ..results import tables
 from ..units import pretty
 from . import widgets as ui
-from .chart import Chart, cycle_colors, hover_tooltips, padded_range, screen_height
+from .chart import Chart, hover_tooltips, other_colors, padded_range, screen_height
 from .muscle_curves import POINTS, alternative_laws, law_label, strain_limit, with_alternative
 from .remarks import validity_warnings
 from .state import Pin, Session, Unit, View, changed, check_value, shipped_muscle
@@ -207,8 +207,8 @@ class CompareView(StrainTab):
 
     @property
     def _colors(self) -> list[str]:
-        """Colors of curves, in their order; the first two are motor units' in other tabs."""
-        return cycle_colors(self.colors, len(DASHES), first=2)
+        """Colors of curves, in their order."""
+        return other_colors(self.colors, len(DASHES))
 
     def draw(self, view: View) -> None:
         self._form.show(view)

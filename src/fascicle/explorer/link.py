@@ -14,12 +14,12 @@ from ..bundle.energetics import PATHS
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
-from ..files import dumps, example, loads, named_muscles, scenarios
+from ..files import dumps, example, loads, named_muscles
 from ..muscle import Muscle
 from ..units import exact, parse
 from . import state
 from .compare_tab import add_pin
-from .scenario_setup import DEFAULT, Setup, check_policies, open_setup
+from .scenario_setup import DEFAULT, Setup, check_policies, open_setup, page_scenarios
 
 
 LONGEST = 16_000  # characters of all packed files: servers and browsers take addresses so long
@@ -179,7 +179,7 @@ def _read_scenario(view: state.View, text: str, query: Mapping[str, str]) -> sta
     if "scenario_file" in query:
         setup = open_setup(unpack(query["scenario_file"]), text[:_LONGEST_NAME])
     else:
-        setup = Setup(check_choice(text, scenarios(), "scenario"))
+        setup = Setup(check_choice(text, page_scenarios(), "scenario"))
     return replace(view, setup=setup)
 
 

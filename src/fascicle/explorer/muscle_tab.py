@@ -17,7 +17,7 @@ from ..plot.theme import Colors
 from ..results import tables
 from ..units import pretty
 from . import widgets as ui
-from .chart import Chart, cycle_colors, hover_tooltips, pressure_colors, screen_height
+from .chart import Chart, hover_tooltips, other_colors, pressure_colors, screen_height
 from .compare_tab import PinButton
 from .muscle_curves import (
     PARTS,
@@ -37,7 +37,7 @@ from .tab import Export, StrainTab
 
 # room for header, sliders and readouts
 _SCENE_HEIGHT = "var(--scene-height, clamp(220px, min(100vh - 500px, 90vw), 900px))"
-_ALPHAS = (0.0, 0.14, 0.20, 0.14)  # of regions' strips
+_ALPHAS = (0.0, 0.10, 0.24, 0.05)  # of regions' strips
 _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
 # told apart without color
@@ -218,7 +218,7 @@ class MuscleView(StrainTab):
         chart.add_labels(self._family_names)
         self.curve = chart.add("curve")
         self._hover = chart.add_force_hover()
-        part_colors = cycle_colors(colors, len(_PART_DASHES), first=2)
+        part_colors = other_colors(colors, len(_PART_DASHES))
         for (part, dash), color in zip(_PART_DASHES.items(), part_colors, strict=True):
             style = {"y": part, "line_color": color, "line_dash": dash, "legend_label": part}
             chart.add("part", source=self.curve, **style)
@@ -247,7 +247,7 @@ class MuscleView(StrainTab):
 
     def _show_curve_and_regions(self, view: View, curves: MuscleCurves) -> None:
         self._pressure.show(view.pressure, view.display_units["pressure"], view.supply)
-        (unit, scale), colors = self.unit("force"), self.colors
+        unit, scale = self.unit("force")
         forces = {name: getattr(curves, name)[-1] / scale for name in PARTS}
         self.curve.data = {"strain": curves.strain[-1], **forces}
         # pressures of the family, save where the chosen one's mark stands
@@ -256,11 +256,10 @@ class MuscleView(StrainTab):
         labels = [self._family.data["label"][i] for i in labeled]
         heights = [family[i] for i in labeled]
         self._family_names.data = {"x": [0.0] * len(labeled), "y": heights, "label": labels}
-        fills = [colors.paper, colors.curves[4], colors.soft, colors.curves[5]]
         strips = region_strips(curves.strain[-1], curves.regions)
         left, right, regions = map(list, zip(*strips, strict=True))
-        shades = {"color": [fills[i] for i in regions], "alpha": [_ALPHAS[i] for i in regions]}
-        self.strips.data = {"left": left, "right": right} | shades
+        alphas = [_ALPHAS[i] for i in regions]
+        self.strips.data = {"left": left, "right": right, "alpha": alphas}
         # a strip too narrow for its name has none, on a phone's 300 pixels too
         names = [
             REGIONS[i] if end - start > _LETTER * len(REGIONS[i]) * self.top else ""

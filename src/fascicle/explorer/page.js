@@ -15,11 +15,11 @@ window.fascicleNotice = (id, text, passing = false) => {
   document.body.append(line);
   if (passing) setTimeout(() => line.remove(), 8000);
 };
-// colors of the page, after it has changed them: also outside of the explorer's own element
-window.fascicleStyle = (css) => {
-  const id = "page-style", sheet = document.createElement("style");
-  document.getElementById(id)?.remove();
-  document.head.append(Object.assign(sheet, {id, textContent: css}));
+// the same view in other colors
+window.fascicleTheme = (theme) => {
+  const address = new URL(location);
+  address.searchParams.set("theme", theme);
+  location.assign(address);
 };
 // without the clipboard, which browsers give to this machine's pages and encrypted ones alone
 window.fascicleCopy = () => {

@@ -43,18 +43,19 @@ _VIEWS: Mapping[str, type[Tab]] = {
     view.name: view for view in (MuscleView, BundleView, CompareView, DataView, TimeView)
 }
 _FILES = {"svg": "Picture", "png": "Picture", "pdf": "Picture", "csv": "Data"}
+_FOLD: Any = {"kind": "wrapped", "margin": (22, 4, 4, 4), "width": 86}
+_THEMES = {"default": "light", "dark": "dark"}
 _GROUPS = {"Examples": "examples", "Measured muscles": "measured"}  # of shipped muscles
 
 
 class Header:
     """Example, file, history, sharing, units and theme; keeps the address up to date."""
 
-    def __init__(self, page: "Page", theme: str, theme_in_link: bool):
-        """Header of a `page`; the address has the theme if it is dark or `theme_in_link`."""
+    def __init__(self, page: "Page", theme: str):
+        """Header of a `page` in a `theme`, "" where the address has none."""
         session = self._session = page.session
-        self._page, self._address_timer = page, None
+        self._page, self._theme, self._address_timer = page, theme, None
         self.message = ui.Message()
-        self._theme, self._theme_in_link = theme, theme_in_link or theme == "dark"
         groups = {
             title: {
                 text.partition(", from ")[0].replace("`", "")[:60]: name
@@ -81,28 +82,21 @@ class Header:
         )
         page_file = save("Web page (HTML)", self._web_page)
         view_file = save("Muscle or bundle (TOML)", self._file, width=190)
-        share, self._share = self._fold("Share", [view_file, page_file, copy, *files])
+        share, shared = ui.fold("Share ▾", view_file, page_file, copy, *files, **_FOLD)
         self._units = {
             kind: ui.dropdown(kind.capitalize(), units, partial(self._set_unit, kind), width=86)
             for kind, units in DISPLAY_UNITS.items()
         }
-        self.theme_switch = ui.button("", self._switch_theme, width=120, **style)
-        options, self._options = self._fold("Units", [*self._units.values(), self.theme_switch])
-        self._name_theme_switch()
+        other = "default" if theme == "dark" else "dark"
+        switch = ui.button(f"Use {_THEMES[other]} page", None, width=120, **style)
+        switch.js_on_click(code=f"fascicleTheme('{other}')")
+        units, chosen = ui.fold("Units ▾", *self._units.values(), switch, **_FOLD)
         self._title = ui.wide_pane(margin=(8, 16, 4, 16))
         history = (self.undo, self.redo, self.reset)
-        inputs = ui.row(self._example, self.file, *history, share, options, kind="header")
-        self.panel = ui.column(self._title, inputs, self._share, self._options, self.message.pane)
+        inputs = ui.row(self._example, self.file, *history, share, units, kind="header")
+        self.panel = ui.column(self._title, inputs, shared, chosen, self.message.pane)
         session.watch(self._follow)
         self._show(session.view)
-
-    @staticmethod
-    def _fold(label: str, parts: Sequence[object]) -> tuple[pn.widgets.Toggle, pn.Row]:
-        """A button that shows and hides a row of `parts`, and that row."""
-        content = ui.row(*parts, kind="wrapped", visible=False, margin=(0, 8))
-        toggle = ui.widget(pn.widgets.Toggle, f"{label} ▾", margin=(22, 4, 4, 4), width=86)
-        toggle.link(content, value="visible")
-        return toggle, content
 
     def _follow(self, before: View, after: View) -> None:
         # a message on a link or a file is past, once something else is shown
@@ -120,9 +114,8 @@ class Header:
         self._example.value = view.name if view.name in named_muscles() else _CUSTOM
         for kind, select in self._units.items():
             select.value = view.display_units[kind]
-        session = self._session
-        self.undo.disabled, self.redo.disabled = not session.can_undo, not session.can_redo
-        self.reset.disabled = not changed(session.opened, view, *CONTENT_FIELDS)
+        self.undo.disabled, self.redo.disabled = (not number for number in self._session.changes)
+        self.reset.disabled = not changed(self._session.opened, view, *CONTENT_FIELDS)
 
     def _choose_example(self, name: str) -> None:
         if name in (_CUSTOM, self._session.view.name):  # set by the page itself
@@ -163,16 +156,6 @@ class Header:
         export = self._page.open_view.export()
         return f"{export.stem}.{suffix}", export.content(suffix)
 
-    def _switch_theme(self) -> None:
-        self._theme = "default" if self._theme == "dark" else "dark"
-        self._theme_in_link = True  # else the next visit would follow the system's preference
-        self._page.show_theme(self._theme)
-        self._name_theme_switch()
-        self._schedule_address()
-
-    def _name_theme_switch(self) -> None:
-        self.theme_switch.label = f"Use {'light' if self._theme == 'dark' else 'dark'} page"
-
     def _schedule_address(self) -> None:
         """Change the address once nothing has changed for a while."""
         doc = session_document()
@@ -184,9 +167,7 @@ class Header:
 
     def _set_address(self) -> None:
         self._address_timer = None
-        query = to_query(self._session.view)
-        if self._theme_in_link:
-            query["theme"] = self._theme
+        query = to_query(self._session.view) | ({"theme": self._theme} if self._theme else {})
         if pn.state.location is not None:
             pn.state.location.search = "?" + urlencode(query)
 
@@ -197,14 +178,13 @@ class Page:
     def __init__(
         self,
         session: Session,
-        theme: str = "default",
+        theme: str = "",
         errors: Sequence[str] = (),
-        theme_in_link: bool = False,
         offer: bool = False,
     ):
         """Page of a `session`; `errors` of its link; with an `offer` of the story."""
         self.session, self._colors = session, ui.page_colors(theme)
-        self.header = Header(self, theme, theme_in_link)
+        self.header = Header(self, theme)
         self.header.message.show(" ".join(errors))
         self._story = Story(session, offer)
         self._views: dict[str, Tab] = {}
@@ -221,9 +201,9 @@ class Page:
         self._tabs.param.watch(lambda event: session.change(tab=TABS[event.new]), "active")
         session.watch(self._follow)
         self._open_tab(session.view.tab)
-        self.panel = ui.column(self.header.panel, self._story.panel, self._tabs, name="explorer")
-        self._set_style()
-        self.panel.jscallback(stylesheets="window.fascicleStyle?.(cb_obj.stylesheets.at(-1))")
+        parts = self.header.panel, self._story.panel, self._tabs
+        style = [ui.LAYOUT_CSS, ui.page_css(self._colors)]
+        self.panel = ui.column(*parts, name="explorer", stylesheets=style)
 
     @property
     def open_view(self) -> Tab:
@@ -236,17 +216,6 @@ class Page:
         view = self.open_view
         assert isinstance(view, DataView)
         view.open_record(raw, name)
-
-    def show_theme(self, theme: str) -> None:
-        """Show the page in a `theme`, "default" or "dark"."""
-        self._colors = ui.page_colors(theme)
-        self._set_style()
-        for view in self._views.values():
-            view.set_colors(self._colors)
-        self._open_tab(self.session.view.tab)
-
-    def _set_style(self) -> None:
-        self.panel.stylesheets = [ui.LAYOUT_CSS, ui.page_css(self._colors)]
 
     def _open_tab(self, name: str) -> None:
         """Show a tab, which is made when it is first opened: most visitors never open most."""

@@ -12,8 +12,9 @@ import tomlkit
 from ..bundle import Bundle
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
-from ..files import dumps, example_text, named_muscles
-from ..files.muscle_files import parse_file
+from ..files import dumps, example, example_text, named_muscles, scenarios
+from ..files.muscle_files import from_dict, parse_file
+from ..muscle import Muscle
 from ..units import exact, parse
 
 
@@ -31,7 +32,6 @@ LARGEST_FILE = 100_000  # bytes: a hundred times the shipped ones
 _LOADS = {
     "hanging_mass": ("mass", "Mass of the load", "mass"),
     "inertia_spring_damper": ("mass", "Mass of the load", "mass"),
-    "antagonistic_joint": ("inertia_moment", "Inertia of the load", "inertia_moment"),
     "prescribed_motion": ("mean", "Contraction, held", "length"),
 }
 # values that stand for a valve's size: label and dimension
@@ -60,15 +60,13 @@ class Setup:
     """A scenario to simulate, with changes.
 
     `name` of the scenario; `own` text of a visitor's file, empty for a shipped one; changed
-    `values` [SI] by path; `policies` to compare, none for that of the file. With `page_bundle`, the
-    page's bundle is run in place of the file's.
+    `values` [SI] by path; `policies` to compare, none for that of the file.
     """
 
     name: str = DEFAULT
     own: str = ""
     values: tuple[tuple[str, float], ...] = ()
     policies: tuple[str, ...] = ()
-    page_bundle: bool = True
 
     @property
     def source(self) -> str:
@@ -79,11 +77,6 @@ class Setup:
     def has_control(self) -> bool:
         """True for a scenario with [control], whose policy can be changed."""
         return isinstance(_scenario_tables(self.source, self.name).get("control"), dict)
-
-    @property
-    def takes_bundle(self) -> bool:
-        """True for a scenario of one bundle; a joint has two."""
-        return not isinstance(_scenario_tables(self.source, self.name).get("bundle"), list)
 
     @property
     def fields(self) -> list[ScenarioValue]:
@@ -100,7 +93,7 @@ class Setup:
         return replace(self, values=changed)
 
     def text(self, policy: str = "", bundle: Bundle | None = None) -> str:
-        """Text of the file with the changed values, and another `policy` or `bundle`."""
+        """Text of the file with the changed values, a `policy` and the page's `bundle`."""
         document: Any = tomlkit.parse(self.source)
         dimensions = {field.path: field.dimension for field in _fields(self.source, self.name)}
         for path, value in self.values:
@@ -111,12 +104,10 @@ class Setup:
             table[last] = exact(value, dimensions[path])
         if policy and self.has_control and document["control"].get("policy") != policy:
             document["control"]["policy"] = policy
-        if not (self.page_bundle and self.takes_bundle):
-            bundle = None
         if bundle is not None:
             _set_bundle(document, bundle)
         loads = any(path.startswith("load.") for path, _ in self.values)
-        if self.has_control and self.takes_bundle and (loads or bundle is not None):
+        if self.has_control and (loads or bundle is not None):
             # another load is held by other pressures, those of the first demand
             document["run"].pop("pressures", None)
         return tomlkit.dumps(document)
@@ -145,21 +136,41 @@ def open_setup(text: str, name: str) -> Setup:
             f"{name}: this is no scenario, without [load] and [run]: open a muscle or bundle at the"
             " top of the page."
         )
-    bundles = data.get("bundle")
-    for bundle in bundles if isinstance(bundles, list) else [bundles]:
-        if isinstance(bundle, str) and bundle not in named_muscles():
-            raise ValueError(_file_message(name, f"bundle = {bundle[:60]!r}"))
-    hysteresis = data.get("hysteresis")
-    if isinstance(hysteresis, dict) and hysteresis.get("kind") == "measured":
-        raise ValueError(_file_message(name, 'hysteresis: kind = "measured"'))
-    return Setup(name, text, page_bundle=False)
+    bundle, friction = data.get("bundle"), data.get("hysteresis")
+    if isinstance(bundle, list):
+        raise ValueError(f"{name}: the page runs one bundle, not two: use `fascicle simulate`.")
+    other_files = {
+        f"bundle = {str(bundle)[:60]!r}": isinstance(bundle, str) and bundle not in named_muscles(),
+        'hysteresis: kind = "measured"': isinstance(friction, dict)
+        and friction.get("kind") == "measured",
+    }
+    for key, is_other in other_files.items():
+        if is_other:
+            raise ValueError(
+                f"{name}: {key} names another file, which the page can't read: name a shipped"
+                " bundle, write its values into this file, or use `fascicle simulate`."
+            )
+    return Setup(name, text)
 
 
-def _file_message(name: str, key: str) -> str:
-    return (
-        f"{name}: {key} names another file, which the page can't read: name a shipped bundle, write"
-        " its values into this file, or use `fascicle simulate`."
-    )
+def bundle_of(setup: Setup) -> Muscle | Bundle:
+    """Muscle or bundle in the file of a `setup`; `ValueError` where there is none."""
+    data = _scenario_tables(setup.source, setup.name)
+    if isinstance(data.get("bundle"), str):
+        return example(data["bundle"])
+    inline = {key: data[key] for key in ("format", "muscle", "bundle") if key in data}
+    return from_dict(inline, setup.name)
+
+
+@lru_cache(maxsize=1)
+def page_scenarios() -> dict[str, str]:
+    """Descriptions of the shipped scenarios of one bundle, by name: a joint has two."""
+    texts = {name: parse_file(example_text(name), name) for name in scenarios()}
+    return {
+        name: text
+        for name, text in scenarios().items()
+        if not isinstance(texts[name].get("bundle"), list)
+    }
 
 
 _scenario_tables = lru_cache(maxsize=64)(parse_file)  # they are asked for at each change

@@ -166,7 +166,7 @@ def page(start: View, drawing: asyncio.Lock) -> pn.Column:
     """
     arguments = (pn.state.session_args or {}).items()
     query = {key: values[0].decode("utf-8", "replace") for key, values in arguments if values}
-    theme = "dark" if query.get("theme") == "dark" else "default"
+    theme = query.get("theme", "")
     pn.config.global_css = [page_css(page_colors(theme))]
     shell = column()
 
@@ -174,12 +174,11 @@ def page(start: View, drawing: asyncio.Lock) -> pn.Column:
         async with drawing:
             view, opened, errors = from_query(query, start)
             session = Session(view, opened, pn.io.unlocked)
-            content = Page(session, theme, errors, "theme" in query, not has_state(query))
-            shell.objects = [content.panel]
+            shell.objects = [Page(session, theme, errors, not has_state(query)).panel]
             await asyncio.sleep(_SENDING)
 
     active = query.get("tab", start.tab)
-    prepare_document(pn.state.curdoc, active, follow_preference="theme" not in query)
+    prepare_document(pn.state.curdoc, active, follow_preference=not theme)
     pn.state.onload(fill)
     return shell
 

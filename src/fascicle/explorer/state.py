@@ -33,7 +33,6 @@ SIZES = (0.1, 10)  # least and largest ratio of a unit's radius to the shared mu
 CHANGED = ", changed"  # after the name of an opened muscle that was changed
 _DISPLAY_FIELDS = ("tab", "display_units")  # that undo and reset leave as they are
 _ONE_CHANGE = 1.0  # s within which changes of the same fields are one: a slider's steps
-_MOST_UNDONE = 200  # views, which share what they have in common
 # of a muscle without a bundle: the paper's 1 + 4, whose free strain falls at this pressure [Pa]
 _COUNTS, _SECOND_PRESSURE = (1, 4), 60e3
 
@@ -202,7 +201,6 @@ class Session(param.Parameterized):
         self._batch = batch
         self._past: list[View] = []
         self._future: list[View] = []  # views that were undone
-        self._oldest = 0  # in the past, of the views to which undo may go back
         self._last: tuple[set[str], float] = (set(), -math.inf)  # fields changed, and when [s]
 
     def watch(self, callback: Callable[[View, View], object]) -> None:
@@ -220,7 +218,7 @@ class Session(param.Parameterized):
         (last_names, last), time_now = self._last, time.monotonic()
         if names:
             if names != last_names or time_now - last > _ONE_CHANGE:
-                self._past = [*self._past[1 - _MOST_UNDONE :], self.view]
+                self._past.append(self.view)
             self._future, self._last = [], (names, time_now)
         self._set(view)
 
@@ -230,30 +228,21 @@ class Session(param.Parameterized):
         self.show(view)
 
     @property
-    def can_undo(self) -> bool:
-        """True if there is a change to undo."""
-        return len(self._past) > self._oldest
+    def changes(self) -> tuple[int, int]:
+        """Numbers of changes to undo and to redo."""
+        return len(self._past), len(self._future)
 
-    @property
-    def can_redo(self) -> bool:
-        """True if there is a change to redo."""
-        return bool(self._future)
-
-    def limit_undo(self, limited: bool) -> None:
-        """Let undo go back to the present view at most; or again to all before it, but no later."""
-        if not limited:
-            self._past = self._past[: self._oldest]
-        self._oldest = len(self._past) if limited else 0
+    def forget_changes(self, number: int) -> None:
+        """Keep so many of the changes to undo, those that were made first."""
+        del self._past[number:]
 
     def undo(self) -> None:
         """Show the view before the last change; the tab and the units shown stay."""
-        if self.can_undo:
-            self._step(self._past, self._future)
+        self._step(self._past, self._future)
 
     def redo(self) -> None:
         """Show the view before the last `undo`."""
-        if self.can_redo:
-            self._step(self._future, self._past)
+        self._step(self._future, self._past)
 
     def reset(self) -> None:
         """Show the view as it was opened, but keep the tab and the display units."""
@@ -261,9 +250,10 @@ class Session(param.Parameterized):
         self.show(self._with_display(self.opened))
 
     def _step(self, source: list[View], target: list[View]) -> None:
-        target.append(self.view)
-        self._last = set(), -math.inf
-        self._set(self._with_display(source.pop()))
+        if source:
+            target.append(self.view)
+            self._last = set(), -math.inf
+            self._set(self._with_display(source.pop()))
 
     def _with_display(self, view: View) -> View:
         return replace(view, **{name: getattr(self.view, name) for name in _DISPLAY_FIELDS})

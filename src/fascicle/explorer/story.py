@@ -41,7 +41,7 @@ class Story:
     def __init__(self, session: Session, offer: bool = False):
         """Story of a `session`; browsers show an `offer` of it until it is dismissed."""
         self._session, self._before, self.scene = session, session.view, 0
-        self._opened, self._timer = session.opened, None
+        self._opened, self._changes, self._timer = session.opened, 0, None
         self._text = wide_pane(margin=0, css_classes=["live", "scene-text"])
         self._texts = LatestResult(self._show_text, self._show_error)
         self.back = button("Back", lambda: self._move(-1))
@@ -72,7 +72,7 @@ class Story:
         """Show the first scene."""
         if not self.scene:
             self._before, self._opened = self._session.view, self._session.opened
-            self._session.limit_undo(True)
+            self._changes = self._session.changes[0]
         self._show_scene(1)
 
     def end(self) -> None:
@@ -82,7 +82,7 @@ class Story:
         if self._session.opened is self._opened:
             inputs = {name: getattr(self._before, name) for name in (*_FIELDS, "resistance")}
             self._session.show(replace(self._session.view, **inputs))
-        self._session.limit_undo(False)
+        self._session.forget_changes(self._changes)
         self._running.visible = False
 
     def _move(self, step: int) -> None:

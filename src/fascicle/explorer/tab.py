@@ -23,7 +23,6 @@ from matplotlib.figure import Figure
 
 from ..plot.theme import Colors, to_bytes
 from ..results import Table
-from .chart import replace_colors
 from .state import Session, View, changed
 from .widgets import Message, QuantitySlider, pane, status_line, unit_factor, wide_pane
 
@@ -102,12 +101,6 @@ class Tab:
     def export(self) -> Export:
         """Picture and data of what is drawn; `ValueError` where there is nothing yet."""
         raise NotImplementedError
-
-    def set_colors(self, colors: Colors) -> None:
-        """Replace the colors of the figures; the tab is drawn anew when it is open."""
-        panes: Any = self.panel.select(pn.pane.Bokeh)
-        replace_colors((pane.object for pane in panes), self.colors, colors)
-        self.colors, self._drawn = colors, None
 
     def unit(self, dimension: str) -> tuple[str, float]:
         """Unit shown of a `dimension`, and its value [SI]."""

@@ -1,6 +1,6 @@
 // Plays a run in the browser: moves the cursors, the drawing and the numbers, and tells the server
 // nothing of it. Arguments: frames (a row each; tags: what stays the same in all of them), slider,
-// play, cursors, tubes, rigid, labels, valves, readout, scene (the drawing's figure), speed.
+// play, cursors, tubes, boxes, labels, valves, readout, scene (the drawing's figure), speed.
 const quiet = {sync: false};  // not to the server
 const still = {...quiet, check_eq: false};
 const D = frames.data, count = D.time?.length ?? 0, fixed = frames.tags[0];
@@ -33,7 +33,7 @@ const show = (time) => {
   if (i === player.shown) return;
   player.shown = i;
   for (const cursor of cursors) cursor.setv({location: D.time[i]}, quiet);
-  const states = row(D.states, i), T = row(D.tubes, i), R = row(D.rigid, i);
+  const states = row(D.states, i), T = row(D.tubes, i), H = row(D.heights, i);
   const pressures = row(D.pressures, i), openings = row(D.openings, i);
   const tube = {xs: [], ys: [], fill: [], line: [], alpha: [], hatch: []};
   const points = T.length / 2 / states.length;
@@ -44,13 +44,8 @@ const show = (time) => {
     tube.alpha.push(fixed.alphas[states[unit]]); tube.hatch.push(fixed.hatches[states[unit]]);
   }
   tubes.setv({data: tube}, still);
-  const box = {xs: fixed.fixed.map(p => p[0]), ys: fixed.fixed.map(p => p[1]),
-               fill: [...fixed.fixed_fills]};
-  fixed.rigid_fills.forEach((fill, k) => {
-    const [xs, ys] = outline(R, 8 * k, 4, 0);
-    box.xs.push(xs); box.ys.push(ys); box.fill.push(fill);
-  });
-  rigid.setv({data: box}, still);
+  boxes.setv({data: {...fixed.boxes, bottom: H.filter((_, k) => k % 2 === 0),
+    top: H.filter((_, k) => k % 2)}}, still);
   const text = {x: [], y: [], label: []}, valve = {x: [], y: [], marker: [], size: [], color: []};
   const words = [];
   fixed.labels.forEach(([x, width], unit) => {
@@ -61,7 +56,7 @@ const show = (time) => {
     valve.x.push(x); valve.y.push(fixed.valve_height);
     valve.marker.push(open > 0 ? "inverted_triangle" : open < 0 ? "triangle" : "dash");
     valve.size.push(open ? 7 + 7 * Math.min(1, Math.abs(open)) : 9);
-    valve.color.push(open > 0 ? fixed.supply : open < 0 ? fixed.room : fixed.shut);
+    valve.color.push(open ? fixed.open : fixed.shut);
     const way = open > 0 ? "filling" : open < 0 ? "venting" : "shut";
     words.push(`unit ${unit + 1}: ${P} ${fixed.pressure_unit}, ${state}, ${way}`);
   });

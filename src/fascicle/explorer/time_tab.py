@@ -14,17 +14,24 @@ import numpy as np
 import panel as pn
 from bokeh.events import Tap
 from bokeh.models import Button, CustomJS, Div, Select, Slider, Span
-from matplotlib.figure import Figure
 
 from ..core.errors import MissingExtraError, require
-from ..files import scenarios
-from ..plot.theme import DOUBLE, LIGHT, Colors, new_figure, styled
+from ..plot.theme import Colors
 from . import time_run
 from . import widgets as ui
-from .chart import Chart, cycle_colors, padded_range
+from .chart import Chart, other_colors, padded_range, unit_colors
 from .remarks import glossary_html
-from .scenario_setup import LARGEST_FILE, POLICIES, ScenarioValue, Setup, check_policies, open_setup
-from .state import Session, View
+from .scenario_setup import (
+    LARGEST_FILE,
+    POLICIES,
+    ScenarioValue,
+    Setup,
+    bundle_of,
+    check_policies,
+    open_setup,
+    page_scenarios,
+)
+from .state import Session, View, view_of
 from .tab import WAITING, Export, LatestResult, Progress, Tab, output_stem, run_job
 
 
@@ -34,21 +41,14 @@ _SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4")
 _CHARTS = {"force": 150, "contraction": 150, "pressures": 150, "valves": 110, "energies": 170}
 _LEFT = 66  # pixels beside each chart, so that times are below one another
 _SCENE_HEIGHT = "clamp(300px, 100vh - 420px, 620px)"
-# dashes of Bokeh, and the nearest of CSS and of matplotlib
-_DASHES: dict[str, tuple[str, Any]] = {
-    "solid": ("solid", "-"),
-    "dashed": ("dashed", "--"),
-    "dotted": ("dotted", ":"),
-    "dotdash": ("dashed", (0, (1, 2, 5, 2))),
-    "dashdot": ("dashed", "-."),
-}
+_DASHES = ("solid", "dashed", "dotted", "dotdash", "dashdot")
+_CSS_DASHES = {"dotdash": "dashed", "dashdot": "dashed"}  # the nearest of CSS, where it differs
 _ENERGIES = {
     "from the supply": "account_supplied",
     "lost in valves and walls": "account_valve account_exhaust account_mixing account_wall",
     "stored in fluid and muscles": "stored_fluid stored_muscles",
     "work on the load": "account_pull",
 }
-_PICTURE_HEIGHT = 1.3  # inches, of a chart
 _NARROW = 44.0  # mm of the drawing that a unit's labels take
 _OPEN = 1e-3  # of a valve, from which on it counts as open
 # of the table of policies
@@ -93,11 +93,9 @@ class ScenarioInputs:
 
     def __init__(self, tab: "TimeView"):
         self._session, self._tab = tab.session, tab
-        names = [*scenarios(), _OWN]
+        names = [*page_scenarios(), _OWN]
         self.scenario = ui.dropdown("Scenario", names, self._choose_scenario, width=200)
         self.file = ui.file_input("Open a scenario (.toml)", ".toml", self._open_file)
-        label = "Run the bundle of the other tabs"
-        self.page_bundle = ui.widget(pn.widgets.Checkbox, label, self._set_bundle, margin=(6, 8))
         self.about = ui.wide_pane()
         self._inputs: dict[str, ui.Field] = {}
         self._fields, self._policy_title = ui.column(), ui.pane()
@@ -106,17 +104,15 @@ class ScenarioInputs:
         )
         self._words = ui.pane(glossary_html("Explain the policies", POLICIES))
         self.save = ui.download_button("Save scenario", self._scenario_file, tab.message)
-        inputs = (self.file, self.page_bundle, self._fields, self._policy_title, self.policies)
-        self.panel = ui.side_column(*inputs, self._words, self.save, width=300)
+        inputs = (self.file, self._fields, self._policy_title, self.policies, self._words)
+        self.panel = ui.side_column(*inputs, self.save, width=300)
 
     def show(self, view: View) -> None:
         """Show the setup of a `view`."""
         setup, has_control = view.setup, view.setup.has_control
         self.scenario.value = _listed_name(setup)
-        name = setup.name if setup.own else scenarios()[setup.name]
+        name = setup.name if setup.own else page_scenarios()[setup.name]
         self.about.object = f"<p>{html.escape(name)}</p>"
-        takes = setup.takes_bundle
-        self.page_bundle.param.update(value=setup.page_bundle and takes, disabled=not takes)
         self._show_fields(view)
         self.policies.param.update(visible=has_control, value=list(setup.policies))
         title = ui.heading("Policies to compare (default: the scenario's)")
@@ -152,19 +148,19 @@ class ScenarioInputs:
         self._tab.message.show("")
         self._session.change(setup=Setup(name))
 
-    def _set_bundle(self, page_bundle: bool) -> None:
-        if (setup := self._session.view.setup).takes_bundle:
-            self._session.change(setup=replace(setup, page_bundle=page_bundle))
-
     def _set_policies(self, names: list[str]) -> None:
         setup = self._session.view.setup
         self._session.change(setup=replace(setup, policies=check_policies(setup, names)))
 
     def _open_file(self, raw: bytes, name: str) -> None:
         with self._tab.message.errors():
-            setup = open_setup(ui.decode_upload(raw, name, LARGEST_FILE), name)
-            self._session.input_names.add(name)
-            self._session.change(setup=setup)
+            setup, session = (
+                open_setup(ui.decode_upload(raw, name, LARGEST_FILE), name),
+                self._session,
+            )
+            view = view_of(bundle_of(setup), name, session.view)
+            session.input_names.add(name)
+            session.open(replace(view, setup=setup))
 
     def _scenario_file(self) -> tuple[str, bytes]:
         """Name and bytes of the scenario with the changed values, and the policy that is drawn."""
@@ -187,7 +183,7 @@ class Player:
         """Player whose slider and cursor are those of the `charts` over time, too."""
         plain = {"tools": "", "toolbar_location": None, "min_border": 0}
         scene = Chart(colors, "", "", _SCENE_HEIGHT, **plain)
-        parts = {name: scene.add(f"time_{name}") for name in ("rigid", "tubes", "labels", "valves")}
+        parts = {name: scene.add(f"time_{name}") for name in ("boxes", "tubes", "labels", "valves")}
         self._frames = scene.new_source("time", "time_frames")
         self._frames.tags = [None]
         cursors = []
@@ -339,13 +335,15 @@ class TimeView(Tab):
             return
         self._show_notes(result)
         time = self._samples("time")
-        charts = self._chart_curves(self.colors)
+        charts = self._chart_curves()
         rows = zip(charts, self.charts, self.curves, self._legends, strict=True)
         for (title, unit, curves), chart, source, legend in rows:
             ys, _, color, dash, width = map(list, zip(*curves, strict=True))
             xs = [time] * len(curves)
             source.data = {"xs": xs, "ys": ys, "color": color, "dash": dash, "width": width}
-            lines = [(html.escape(c.label), c.color, _DASHES[c.dash][0]) for c in curves]
+            lines = [
+                (html.escape(c.label), c.color, _CSS_DASHES.get(c.dash, c.dash)) for c in curves
+            ]
             legend.object = f"<b>{title}</b>{ui.html_legend(lines)}"
             chart.figure.yaxis[0].axis_label = f"[{unit}]"
             values = np.concatenate(ys)
@@ -384,93 +382,92 @@ class TimeView(Tab):
         run = run or self.drawn_run
         return np.asarray(run.table[name].values)[run.rows]
 
-    def _chart_curves(self, colors: Colors) -> list[ChartCurves]:
-        """Curves of each chart, on a page of these `colors`."""
-        result, run = self.result, self.drawn_run
+    def _chart_curves(self) -> list[ChartCurves]:
+        """Curves of each chart."""
+        result, run, colors = self.result, self.drawn_run, self.colors
         assert result is not None
-        rotary, runs = result.rotary, result.runs
-        labels = [_run_label(item) for item in runs]
-        # the first two colors are motor units'
-        styles = list(zip(labels, cycle_colors(colors, len(labels), first=2), cycle(_DASHES)))
-        force_unit, force = ("N·m", 1.0) if rotary else self.unit("force")
-        length_unit, length = ("°", np.pi / 180) if rotary else self.unit("length")
-        pressure_unit, pressure = self.unit("pressure")
-        forces = _curves([item.pull[item.rows] / force for item in runs], styles)
-        positions = _curves([self._samples("position", item) / length for item in runs], styles)
+        labels = [_run_label(item) for item in result.runs]
+        styles = list(zip(labels, other_colors(colors, len(labels)), cycle(_DASHES)))
+        units = {name: self.unit(name) for name in ("force", "length", "pressure")}
+        (_, force), (_, length), (_, pressure) = units.values()
+        forces = _curves([item.pull[item.rows] / force for item in result.runs], styles)
+        positions = [self._samples("position", item) / length for item in result.runs]
+        contractions = _curves(positions, styles)
         if result.quantity:
-            curves, scale = (forces, force) if result.quantity == "force" else (positions, length)
-            demand = self._samples("demand") / scale
-            curves.insert(0, Curve(demand, "demand", colors.ink, "dashed", 1.5))
-        units = run.table["pressure"].values.shape[1]
-        by_unit = [(f"unit {i + 1}", color) for i, color in enumerate(cycle_colors(colors, units))]
+            is_force = result.quantity == "force"
+            demand = self._samples("demand") / (force if is_force else length)
+            curve = Curve(demand, "demand", colors.ink, "dashed", 1.5)
+            (forces if is_force else contractions).insert(0, curve)
+        by_unit = [(f"unit {i + 1}", color) for i, color in enumerate(self._unit_colors())]
         pressures = _curves(self._samples("pressure").T / pressure, by_unit)
         supply = self._samples("supply_pressure") / pressure
         pressures.append(Curve(supply, "supply", colors.ink, "dashed", 1.5))
         openings = _curves(self._openings().T, by_unit)
-        of_run = f", {run.policy}" if len(runs) > 1 else ""
+        of_run = f", {run.policy}" if len(result.runs) > 1 else ""
         return [
-            (f"{'Moment' if rotary else 'Force'} on the load", force_unit, forces),
-            ("Angle" if rotary else "Contraction", length_unit, positions),
-            (f"Pressures, gauge{of_run}", pressure_unit, pressures),
+            ("Force on the load", units["force"][0], forces),
+            ("Contraction", units["length"][0], contractions),
+            (f"Pressures, gauge{of_run}", units["pressure"][0], pressures),
             (f"Valves{of_run}: + to the supply, − to the room", "–", openings),
-            (f"Energies since the start{of_run}", "J", self._energies(colors)),
+            (f"Energies since the start{of_run}", "J", self._energies()),
         ]
+
+    def _unit_colors(self) -> list[str]:
+        return unit_colors(self.colors, self.drawn_run.drawing.states.shape[1])
 
     def _openings(self) -> np.ndarray:
         """Opening of each unit's valve at the samples [-], negative to the room."""
         return self._samples("supply_opening") - self._samples("exhaust_opening")
 
-    def _energies(self, colors: Colors) -> list[Curve]:
+    def _energies(self) -> list[Curve]:
         """Curves of the energies [J] since the start, in the terms of (A1) and (A2)."""
         names = map(str.split, _ENERGIES.values())
         totals = [np.sum([self._samples(name) for name in group], axis=0) for group in names]
-        palette = (colors.ink, *cycle_colors(colors, 3, first=2))
-        styles = zip(_ENERGIES, palette, _DASHES, strict=False)
+        styles = zip(_ENERGIES, other_colors(self.colors, len(_ENERGIES)), _DASHES, strict=False)
         return _curves([total - total[0] for total in totals], styles)
 
     def _show_frames(self) -> None:
-        run, colors, drawing = self.drawn_run, self.colors, self.drawn_run.drawing
-        frames, units = len(run.rows), drawing.states.shape[1]
+        run, drawing = self.drawn_run, self.drawn_run.drawing
+        frames = len(run.rows)
         pressure_unit, pressure = self.unit("pressure")
         openings = self._openings()
-        fills = time_run.rigid_colors(colors)
-        force, contraction, *_ = self._chart_curves(colors)
+        fills = time_run.box_colors(self.colors)
         numbers, columns = [], {}
-        for (name, unit, curves), key in ((force, "force"), (contraction, "position")):
-            curve_by_label = {curve.label: curve for curve in curves}
-            columns[key] = curve_by_label[_run_label(run)].values
-            numbers.append((name.lower(), key, unit))
-            if "demand" in curve_by_label:
-                columns["demand"] = curve_by_label["demand"].values
-                numbers.append(("demand", "demand", unit))
-        has_line = "demand" in drawing.rigid_kinds
+        for (name, unit, curves), key in zip(
+            self._chart_curves(), ("force", "position"), strict=False
+        ):
+            for curve in curves:
+                if curve.label in ("demand", _run_label(run)):
+                    column = "demand" if curve.label == "demand" else key
+                    columns[column] = curve.values
+                    numbers.append((column if column == "demand" else name.lower(), column, unit))
+        kinds, left, right = zip(*drawing.boxes, strict=True)
+        has_line = "demand" in kinds
         self._drawing_legend.object = ui.status_line(_LEGEND + _DEMAND_LEGEND * has_line)
         top = drawing.extent[3]
         fixed = {
             "muscles": drawing.muscles,
-            "colors": cycle_colors(colors, units),
+            "colors": self._unit_colors(),
             "alphas": time_run.ALPHAS,
             "hatches": time_run.HATCHES,
             "states": time_run.STATES,
-            "fixed": [corners.T.tolist() for _, corners in drawing.fixed],
-            "fixed_fills": [fills[kind] for kind, _ in drawing.fixed],
-            "rigid_fills": [fills[kind] for kind in drawing.rigid_kinds],
+            "boxes": {"left": left, "right": right, "fill": [fills[kind] for kind in kinds]},
             "labels": drawing.labels,
             "label_height": top - 28.0,
             "valve_height": top - 40.0,
-            "narrow": min(width for _, width in drawing.labels) < _NARROW and units > 2,
+            "narrow": min(width for _, width in drawing.labels) < _NARROW
+            and len(drawing.labels) > 2,
             "extent": drawing.extent,
             "digits": 0 if pressure_unit == "kPa" else 2,
             "pressure_unit": pressure_unit,
             "numbers": numbers,
-            "supply": colors.curves[5] if not colors.dark else colors.accent,
-            "room": colors.curves[4],
-            "shut": colors.soft,
+            "open": self.colors.ink,
+            "shut": self.colors.soft,
         }
         columns |= {
             "time": self._samples("time"),
             "tubes": drawing.tubes.reshape(frames, -1),
-            "rigid": drawing.rigid.reshape(frames, -1),
+            "heights": drawing.heights.reshape(frames, -1),
             "states": drawing.states,
             "pressures": self._samples("pressure") / pressure,
             "openings": np.where(np.abs(openings) < _OPEN, 0.0, openings),
@@ -480,26 +477,10 @@ class TimeView(Tab):
     def export(self) -> Export:
         if self.result is None:
             raise ValueError("Run a scenario first: there is nothing to download yet.")
-        kind = self.drawn_run.policy.split(" ")[0] or "run"
+        run = self.drawn_run
+        kind = run.policy.split(" ")[0] or "run"
         stem = output_stem(self.result.name, kind, self.session.input_names)
-        time, curves = self._samples("time"), self._chart_curves(LIGHT)
-        return Export(stem, self.drawn_run.table, lambda: charts_figure(time, curves))
-
-
-@styled
-def charts_figure(time: np.ndarray, charts: Sequence[ChartCurves]) -> Figure:
-    """Figure of `charts` over `time` [s], one below the other."""
-    figure, axes = new_figure(len(charts), 1, DOUBLE, _PICTURE_HEIGHT * len(charts), sharex=True)
-    for ax, (title, unit, curves) in zip(axes[:, 0], charts, strict=True):
-        for curve in curves:
-            style: Any = {"linestyle": _DASHES[curve.dash][1], "linewidth": curve.width * 0.6}
-            ax.plot(time, curve.values, color=curve.color, label=curve.label, **style)
-        ax.set_title(title, loc="left")
-        ax.set_ylabel(f"[{unit}]")
-        ax.set_xlim(time[0], time[-1])
-        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))  # beside the curves
-    axes[-1, 0].set_xlabel("Time t [s]")
-    return figure
+        return Export(stem, run.table, lambda: run.figure)
 
 
 def _curves(rows: Iterable[np.ndarray], styles: Iterable[tuple[Any, ...]]) -> list[Curve]:

@@ -90,10 +90,13 @@ def _layout(kind: str, options: dict[str, Any]) -> dict[str, Any]:
     return {"css_classes": kind.split()} | defaults | options
 
 
-def fold(title: str, *parts: Any) -> Any:
-    """A column of a button with a `title`, and of the `parts` that it shows and hides."""
-    content = column(*parts, visible=False)
-    toggle = widget(pn.widgets.Toggle, title, margin=(4, 8), sizing_mode=None)
+def fold(title: str, *parts: Any, kind: str = "", **options: Any) -> Any:
+    """A column of a button with a `title`, and of the `parts` that it shows and hides, a row of
+    them where their `kind` is "wrapped".
+    """
+    layout = row if kind == "wrapped" else column
+    content = layout(*parts, kind=kind, visible=False)
+    toggle = widget(pn.widgets.Toggle, title, **{"margin": (4, 8), "sizing_mode": None} | options)
     toggle.link(content, value="visible")
     return column(toggle, content)
 

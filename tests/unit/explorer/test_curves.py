@@ -8,6 +8,7 @@ import pytest
 
 import fascicle as fs
 from fascicle.bundle import reversal
+from fascicle.bundle.inverse import ABOVE, BELOW
 from fascicle.explorer import bundle_curves
 from fascicle.explorer.bundle_tab import BundleView
 from fascicle.explorer.muscle_curves import (
@@ -116,8 +117,8 @@ def test_a_load_in_the_overlap_has_pressures_in_each_state_the_cheapest_first(pa
     widest = int(np.nanargmax(overlap.high[0] - overlap.low[0]))
     strain = float(overlap.strain[widest])
     load = float(overlap.low[0, widest] + overlap.high[0, widest]) / 2
-    rows, _ = bundle_curves.recruitments(bundle, load, strain, True, path)
-    assert {row.state for row in rows} == {1, 2} and all(row.reached for row in rows)
+    status, rows = bundle_curves.recruitments(bundle, load, strain, True, path)
+    assert {row.state for row in rows} == {1, 2} and not status
     fluid = [row.fluid for row in rows]
     assert fluid == sorted(fluid)
     result = bundle.recruit(load, strain)
@@ -141,37 +142,28 @@ def test_a_load_in_the_overlap_has_pressures_in_each_state_the_cheapest_first(pa
         assert row.efficiency == pytest.approx(expected, rel=1e-5)
 
 
-def test_states_that_cannot_carry_a_load_have_their_nearest_force():
-    bundle = VIEW.bundle
-    rows, _ = bundle_curves.recruitments(bundle, 1e4, 0.1, True, "isobaric")
-    assert [row.state for row in rows] == [2, 1] and not any(row.reached for row in rows)
-    full = float(bundle.supply_pressure)
-    for row, pressures in zip(rows, ((full, full), (full, 0.0)), strict=True):
-        assert row.pressures == pressures
-        assert row.force == pytest.approx(float(bundle.force(pressures, 0.1)), rel=1e-12)
-    load = 0.5 * rows[1].force
-    reached, other = bundle_curves.recruitments(bundle, load, 0.1, True, "isobaric")[0]
-    assert (reached.state, reached.reached, other.state, other.reached) == (1, True, 2, False)
-    assert other.force > load
-
-
-def test_the_nearest_force_of_a_state_is_its_least_or_largest():
+def test_a_load_out_of_reach_has_the_nearest_force():
     bundle, strain = VIEW.bundle, 0.2
     levels = np.linspace(0.0, float(bundle.supply_pressure), 20_001)
     forces = np.asarray(bundle.force(np.c_[np.full_like(levels, levels[-1]), levels], strain))
-    rows, _ = bundle_curves.recruitments(bundle, float(forces.min()) - 5, strain, True, "isobaric")
-    (row,) = (row for row in rows if row.state == 2 and not row.reached)
+    status, (row,) = bundle_curves.recruitments(bundle, 1e4, strain, True, "isobaric")
+    assert (status, row.pressures) == (ABOVE, (levels[-1],) * 2)
+    assert row.force == pytest.approx(forces.max(), rel=1e-12)
+    first = np.asarray(bundle.force(np.c_[levels, np.zeros_like(levels)], strain))
+    least = min(forces.min(), first.min())
+    status, (row,) = bundle_curves.recruitments(bundle, least - 5, strain, True, "isobaric")
+    assert status == BELOW
     # N: the scan's own step, below which the search goes
-    assert forces.min() - 5e-3 < row.force <= forces.min()
+    assert least - 5e-3 < row.force <= least
 
 
 def test_rest_length_takes_no_fluid_and_that_of_compliant_ends_is_not_known():
-    row = bundle_curves.recruitments(VIEW.bundle, 50.0, 0.0, True, "isobaric")[0][0]
-    assert row.reached and row.fluid == 0 and np.isnan(row.efficiency)
+    status, (row, *_) = bundle_curves.recruitments(VIEW.bundle, 50.0, 0.0, True, "isobaric")
+    assert not status and row.fluid == 0 and np.isnan(row.efficiency)
     muscle = SIX.replace(ends=Compliant(end_compliance=1e-6))
     bundle = fs.Bundle([fs.MotorUnit(muscle)], SUPPLY)
-    (row,), remark = bundle_curves.recruitments(bundle, 20.0, 0.05, True, "isobaric")
-    assert row.reached and np.isnan(row.fluid) and np.isnan(row.efficiency) and remark
+    status, (row,) = bundle_curves.recruitments(bundle, 20.0, 0.05, True, "isobaric")
+    assert not status and np.isnan(row.fluid) and np.isnan(row.efficiency)
 
 
 def test_muscles_stand_apart_inside_their_envelope():

@@ -126,7 +126,7 @@ def test_undo_and_reset(monkeypatch):
     session.redo()
     assert session.view == other
     seen = []
-    while session.can_undo:
+    while session.changes[0]:
         session.undo()
         seen.append((session.view.name[-1], session.view.strain, session.view.pressure))
     assert seen == [("9", 0.05, other.pressure), ("9", other.strain, other.pressure),
@@ -134,7 +134,7 @@ def test_undo_and_reset(monkeypatch):
                     ("6", SIX.strain, SIX.pressure)]  # fmt: skip
     assert session.view.tab == "bundle"
     session.change(strain=0.3)
-    assert not session.can_redo
+    assert not session.changes[1]
 
 
 @pytest.mark.parametrize("name", fs.catalog)

@@ -38,17 +38,9 @@ def test_an_example_replaces_an_own_muscle_and_undo_brings_it_back(header):
     assert session.view.name == "kim2021_figure_6"
 
 
-def test_another_theme_keeps_the_history_and_the_record():
-    session = Session(view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6"))
-    page = Page(session)
-    session.change(tab="data", strain=0.2)
-    page._views["data"].open_example()
-    record, past = page._views["data"].record, session._past
-    for paper in (DARK.paper, LIGHT.paper):
-        page.header.theme_switch.clicks += 1
-        assert f"--paper: {paper}" in page.panel.stylesheets[-1]
-    assert session._past is past and session.can_undo
-    assert page._views["data"].record is record is not None
+@pytest.mark.parametrize(("theme", "colors"), [("", LIGHT), ("default", LIGHT), ("dark", DARK)])
+def test_a_page_has_the_colors_of_its_theme(theme, colors):
+    assert f"--paper: {colors.paper}" in Page(Session(SIX), theme).panel.stylesheets[-1]
 
 
 def test_an_empty_file_is_refused(header):

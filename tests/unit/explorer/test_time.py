@@ -21,7 +21,7 @@ from fascicle.explorer.state import Session, view_of
 from fascicle.explorer.tab import LatestResult, run_job, stop_jobs
 from fascicle.explorer.time_run import sample_rows
 from fascicle.explorer.time_tab import TimeView
-from fascicle.files import example_text, loads_scenario
+from fascicle.files import dumps, example_text, loads_scenario
 from fascicle.plot.theme import LIGHT
 from fascicle.results.tables import simulated
 
@@ -40,7 +40,7 @@ def result():
 @pytest.fixture
 def tab(result):
     view = TimeView(Session(START), LIGHT)
-    view.session.change(setup=replace(Setup(NAME), page_bundle=False))
+    view.session.change(setup=Setup(NAME))
     view.refresh()
     view._show_result((CHANGED.text(), result))
     return view
@@ -78,6 +78,7 @@ def test_a_link_holds_the_setup_and_a_visitors_file():
     [
         (("kim2021_bundle_1_4", "../secret.toml"), "another file"),
         (("[run]", '[hysteresis]\nkind = "measured"\nmuscle = "a.toml"\n\n[run]'), "another file"),
+        (('"kim2021_bundle_1_4"', '["kim2021_bundle_1_1", "kim2021_bundle_1_1"]'), "not two"),
         (("format = 1", "format = 2"), "format"),
         (("[load]", "[load"), "line"),
     ],
@@ -91,13 +92,10 @@ def test_a_file_that_the_page_cant_run_is_refused(change, message):
 
 def test_the_pages_bundle_runs_in_place_of_a_scenarios():
     five = view_of(fs.example("kim2021_bundle_five"), "five").bundle
-    for name in ("lift_oil", "joint_step", "raise_1_1"):
-        setup = Setup(name)
-        study = loads_scenario(setup.text(bundle=five), name)
-        units = study.plant.bundles[0].motor_units
-        assert (len(units) == 5) == setup.takes_bundle
-    plain = replace(Setup(NAME), page_bundle=False)
-    assert plain.text(bundle=five) == plain.text() == example_text(NAME)
+    for name in ("lift_oil", "raise_1_1"):
+        (bundle,) = loads_scenario(Setup(name).text(bundle=five), name).plant.bundles
+        assert dumps(bundle) == dumps(five)
+    assert Setup(NAME).text() == example_text(NAME)
 
 
 @pytest.mark.parametrize(
@@ -115,9 +113,7 @@ def test_a_run_begins_in_equilibrium_with_the_load_that_is_set(name, path, value
 
 
 def test_the_saved_scenario_gives_the_numbers_of_the_page(tab, result, tmp_path):
-    tab.session.change(
-        setup=replace(CHANGED, page_bundle=False, policies=("threshold", "hand_over"))
-    )
+    tab.session.change(setup=replace(CHANGED, policies=("threshold", "hand_over")))
     tab.drawn.value = "threshold"
     name, raw = tab.inputs._scenario_file()
     path = tmp_path / name
@@ -216,7 +212,10 @@ def test_a_file_is_opened_and_refused(tab):
     with pytest.raises(InvalidInputError):
         tab.session.view.setup.with_value("run.duration", 1.0)
     name, raw = tab.inputs._scenario_file()
-    assert name != "mine.toml" and raw.decode() == example_text("lift_oil")
+    (bundle,) = loads_scenario(raw.decode(), name).plant.bundles
+    assert name != "mine.toml"
+    assert dumps(bundle) == dumps(tab.session.view.bundle)
+    assert dumps(bundle) == dumps(fs.example("kim2021_bundle_1_4"))
 
 
 @pytest.mark.parametrize(
