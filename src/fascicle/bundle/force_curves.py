@@ -346,10 +346,11 @@ def insert_extrema(
         tuple(x[window][i] for window in windows),
         args=(row[i + 1], sign[i]),
         tolerances={"xrtol": _LEVEL_ROUNDING, "fatol": 0.25 * ROOT_TOLERANCE},
-    ).x
-    exists = np.isfinite(turn)  # else, to rounding, a neighbor is lower
-    i, turn = i[exists] + 1, turn[exists]
-    position, added = i + (turn > x[i]), (row[i], turn, function(turn, row[i]))
+    )
+    depth = sign[i] * turn.f_x
+    exists = np.isfinite(turn.x)  # else, to rounding, a neighbor is lower
+    i, added = i[exists] + 1, (row[i[exists] + 1], turn.x[exists], depth[exists])
+    position = i + (added[1] > x[i])
     row, x, excess = map(np.insert, (row, x, excess), [position] * 3, added)
     return row, x, excess
 
