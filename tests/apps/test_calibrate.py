@@ -123,6 +123,10 @@ def test_the_fitted_muscle_makes_bundles(ran, fascicle, folder):
     five = 5 * float(fs.load(path).force(200e3, 0.02))
     assert json.loads(out)["force"][0][0] == pytest.approx(five, rel=1e-9)
     assert fascicle("bundle", path, "--units", "1,x", "-p", "200kPa")[0] == 2
+    load = ("--mass", "10kg", "--stroke", "10mm", "--supply", "400kPa")
+    code, out, _ = fascicle("design", path, "--units", "1,4", *load, "--json")
+    assert code == 0
+    assert json.loads(out)["case_force"] == [pytest.approx(98.0665)]
 
 
 def test_json_has_the_keys_of_its_contract_in_their_order(ran):

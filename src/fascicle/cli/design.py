@@ -14,9 +14,10 @@ from .. import files
 from ..core.errors import require
 from ..io import atomic
 from ..io.sanitize import dump_json
+from ..units import parse
 from . import options
 from .errors import INCOMPLETE, UserError, user_errors
-from .inputs import load_laws
+from .inputs import load_laws, read_bundle
 from .options import Text, argument, flag, option
 from .outputs import (
     PICTURES,
@@ -42,8 +43,13 @@ _CASES = 10  # load cases in the table, those with the least to spare; the repor
 def design(
     task: str = argument(
         "TASK.toml",
-        "Task file: demands, buildable sizes, objectives; `fascicle init --task` writes one.",
+        "Task file: demands, buildable sizes, objectives; `fascicle init --task` writes one. Or a"
+        " muscle, with --units, --mass and --stroke.",
     ),
+    units: options.Units = None,
+    mass: Text = option("Mass that a muscle's --units lift: 25kg.", "MASS"),
+    stroke: Text = option("Stroke that they lift it by: 40mm.", "LENGTH"),
+    supply: Text = option("Supply pressure of a muscle's --units; default: 4bar.", "PRESSURE"),
     out: options.OutFolder = None,
     also: Text = option("Objectives to record, too: reversal_depth,largest_force.", "LIST"),
     generations: int | None = option(
@@ -69,10 +75,8 @@ def design(
     if generations is not None:
         require("pymoo")
     load_laws()
-    from ..files.task import load_task
-
     with user_errors():
-        file = load_task(task)
+        file = _read_task(task, units, mass, stroke, supply)
     problem = (file.space, file.task, file.senses, file.limits)
     common: dict[str, Any] = {
         "extra": () if also is None else tuple(name.strip() for name in also.split(",")),
@@ -108,6 +112,27 @@ def design(
     if folder is not None and not as_json:
         print_line(f"wrote {folder / names[0]} with all details and {len(names) - 1} more files")
     return 0 if answer.is_recommended else INCOMPLETE
+
+
+def _read_task(
+    target: str, units: str | None, mass: str | None, stroke: str | None, supply: str | None
+) -> "TaskFile":
+    """Task in a file; or that of a muscle's `units` that lift a `mass` by a `stroke`."""
+    from ..files.task import load_task, loads_task
+
+    if units is mass is stroke is supply is None:
+        return load_task(target)
+    if units is None or mass is None or stroke is None:
+        raise UserError("design of a muscle needs --units, --mass and --stroke together.")
+    split = "+".join(str(unit.count) for unit in read_bundle(target, units).motor_units)
+    lines = [
+        "format = 1\n[task]",
+        f'force = "{parse(mass, "mass", "--mass")!r} kgf"',
+        f'stroke = "{parse(stroke, "length", "--stroke")!r} m"',
+        f'supply_pressure = "{parse(supply or "4bar", "pressure", "--supply")!r} Pa"',
+        f'[design]\nmuscle = {json.dumps(target)}\nsplits = ["{split}"]',
+    ]
+    return loads_task("\n".join(lines), target)
 
 
 def _judge(
