@@ -381,6 +381,12 @@ class Calibration:
         normal = np.random.default_rng(seed).normal(size=(count, determined.size))
         return self.coordinates + normal @ (basis * np.sqrt(np.maximum(spread, 0))).T
 
+    def muscles(self, count: int, seed: int = 0) -> list[Muscle]:
+        """Muscles at so many `draws`, each checked as a new one: to train on, or to judge a design.
+        `InvalidInputError` for a draw that no muscle can have.
+        """
+        return [self.problem.muscle_at(z).replace() for z in self.draws(count, seed)]
+
 
 def rms(errors: np.ndarray) -> float:
     """Root mean square of `errors` but NaN, in their unit; NaN without any."""
