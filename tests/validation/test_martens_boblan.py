@@ -10,6 +10,7 @@ from numpy.testing import assert_array_equal
 
 from fascicle.calibrate.friction import fit_friction
 from fascicle.records import load, runs
+from refusing import refuses
 
 
 NAME = "martens-boblan-2017/dmsp-20-300.csv"
@@ -55,5 +56,5 @@ def test_its_levels_are_the_pressures(record):
 
 
 def test_it_needs_the_rest_length():
-    with pytest.raises(ValueError, match=r"`length_m`: a length needs the rest length"):
+    with refuses("rest_length"):
         load(measured(NAME))

@@ -12,6 +12,7 @@ from oracle_random import random_cases
 
 import fascicle as fs
 from fascicle.muscle.ends import Compliant
+from refusing import refuses
 
 
 def cases(count, seed):
@@ -112,14 +113,14 @@ def test_a_table_of_it_holds_the_same_energy():
 
 
 def test_what_ends_cannot_be():
-    with pytest.raises(ValueError, match=r"inactive_length.*third of `length`"):
+    with refuses("inactive_length"):
         MUSCLE.replace(ends=Compliant(0.1, 0.0))
-    with pytest.raises(ValueError, match="end_compliance"):
+    with refuses("end_compliance"):
         Compliant(0.0, -1e-6)
     # the bladder's fibers are straight sooner than the ends tell
     muscle = MUSCLE.replace(ends=Compliant(0.06, 0.0))
     lowest = 1 - 1 / math.cos(math.radians(28.6))
-    with pytest.raises(ValueError, match="fibers straight"):
+    with refuses("strain"):
         muscle.force(1e5, lowest * 0.9)
     assert np.isfinite(muscle.force(1e5, lowest * 0.75))
 

@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from fascicle import control, dynamics, fluid
 from fascicle.control import Gains
+from refusing import warns
 
 
 STRAIN, DT = 0.2, 1e-3
@@ -80,7 +81,7 @@ def test_pressures_settle_as_fast_as_the_delays_allow(plant_of, pair, ramp, valv
 
 def test_a_loop_faster_than_its_valves_warns(plant_of, pair):
     plant = plant_of(pair, spool=fluid.Servovalve(20e-3))
-    with pytest.warns(UserWarning, match="pressure_time"):
+    with warns("pressure_time"):
         hasty = control.cascade(plant, "hand_over", gains=Gains(pressure_time=3e-3))
     (finding,) = hasty.findings
     assert finding.code == "control.pressure_time_short" and finding.data["pressure_time"] == 3e-3

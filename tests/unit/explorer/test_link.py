@@ -11,6 +11,7 @@ from fascicle.explorer.link import LONGEST, from_query, pack, to_query, unpack
 from fascicle.explorer.state import CHANGED, Session, Unit, view_of
 from fascicle.files import dumps, loads
 from fascicle.muscle.validation import FittedLength
+from refusing import refuses, warns
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
@@ -48,10 +49,10 @@ def test_changed_and_unequal_muscles_are_in_the_address_itself():
 def test_the_length_of_a_fit_comes_back():
     fitted = SIX.muscle.replace(fitted_length=FittedLength(0.127, with_ends=True))
     result = read(to_query(replace(SIX, muscle=fitted.replace(outer_radius=7e-3), name="tuned")))
-    with pytest.warns(UserWarning, match="fitted at a length of 127 mm .*, with its ends"):
+    with warns("127 mm"):
         result.muscle.replace(length=0.2)
     # as a bundle, which a file is where there are several units
-    with pytest.warns(UserWarning, match="fitted at a length of 127 mm"):
+    with warns("127 mm"):
         loads(result.text).motor_units[1].muscle.replace(length=0.2)
 
 
@@ -80,7 +81,7 @@ def test_a_bad_key_gives_a_message_and_the_other_keys_are_read(query):
 def test_a_bomb_is_not_inflated(size):
     bomb = base64.urlsafe_b64encode(zlib.compress(b"#" * size, 9)).decode().rstrip("=")
     assert len(bomb) < LONGEST
-    with pytest.raises(ValueError, match="32000"):
+    with refuses("file"):
         unpack(bomb)
 
 

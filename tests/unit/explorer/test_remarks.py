@@ -9,6 +9,7 @@ import fascicle as fs
 from fascicle.explorer.remarks import remarks_html, validity_warnings
 from fascicle.explorer.state import TABS, Unit, view_of
 from fascicle.muscle.validation import FittedLength
+from refusing import warns
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
@@ -24,7 +25,7 @@ def test_a_complete_picture_has_no_remarks(tab):
 
 
 def test_a_radius_out_of_proportion_gives_a_warning():
-    with pytest.warns(UserWarning, match="unusual"):  # of the radius, and of the proportions
+    with warns("outer_radius"):  # of the radius, and of the proportions
         wide = SIX.muscle.replace(outer_radius=1.0, wall_thickness=0.05)
     for tab in PICTURES:
         assert len(validity_warnings(replace(SIX, muscle=wide), tab)) == 1
@@ -41,7 +42,7 @@ def test_muscles_that_the_plates_stretch_give_a_warning():
 def test_a_fit_at_another_length_gives_one_warning():
     fitted = TUNED.muscle.replace(fitted_length=FittedLength(0.127))
     assert validity_warnings(replace(TUNED, muscle=fitted), "muscle") == []
-    with pytest.warns(UserWarning, match="fitted at"):
+    with warns("127 mm"):
         longer = fitted.replace(length=0.2)
     for tab in PICTURES:
         # thinner muscles of a bundle are of the same fit

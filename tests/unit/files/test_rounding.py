@@ -13,7 +13,7 @@ from fascicle.io.input_file import parse_toml
 from fascicle.records import Record
 from fascicle.report.calibration_figures import curves_csv
 from fascicle.units import parse
-from refusing import refuses
+from refusing import refuses, warns
 
 
 P, EPS = np.linspace(1e5, 4e5, 4), np.linspace(0, 0.12, 12)
@@ -70,14 +70,14 @@ def test_log_is_rounded_to_the_uncertainty(noisy):
 def test_file_has_the_fitted_length(noisy, tmp_path):
     text = text_with_log(noisy[1])
     assert loads(text).replace(wall_thickness=1.6e-3).length == 0.2
-    with pytest.warns(UserWarning, match="of 200 mm and its length is now 300 mm"):
+    with warns("200 mm", "300 mm"):
         loads(text).replace(length=0.3)
     # whoever writes another length into the file is told as it is read
-    with pytest.warns(UserWarning, match="of 200 mm and its length is now 100 mm"):
+    with warns("200 mm", "100 mm"):
         loads(text.replace('length = "200 mm"', 'length = "100 mm"', 1))
     # and who saves it again keeps it, also as a bundle of such muscles
     for again in (loads(text), fs.Bundle([fs.MotorUnit(loads(text))])):
-        with pytest.warns(UserWarning, match="of 200 mm and its length is now 100 mm"):
+        with warns("200 mm", "100 mm"):
             loads(dumps(again).replace('length = "200 mm"', 'length = "100 mm"', 1))
     with refuses("calibration.fitted_length"):
         loads(text.replace('fitted_length = "200 mm"', 'fitted_length = "long"'), "m.toml")

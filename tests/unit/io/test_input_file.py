@@ -7,12 +7,13 @@ import socket
 import pytest
 
 from fascicle.io.input_file import parse_toml, read_bytes
+from refusing import refuses_at
 
 
 def test_a_file_is_read(tmp_path):
     (tmp_path / "x").write_bytes(b"abc")
     assert read_bytes(tmp_path / "x", 3, "muscle file") == b"abc"
-    with pytest.raises(ValueError, match="larger than 2 bytes, not a muscle file"):
+    with refuses_at(f"{tmp_path / 'x'}: "):
         read_bytes(tmp_path / "x", 2, "muscle file")
 
 
@@ -31,9 +32,9 @@ def test_anything_else_is_refused_at_once(tmp_path, monkeypatch, kind):
         path.mkdir()
     elif kind == "loop":
         path.symlink_to(path)
-    with pytest.raises(OSError, match=r".*x.*: .*") as error:
+    quoted = kind in ("loop", "NUL")  # of a path that the system refuses
+    with refuses_at(f"{str(path)!r}: " if quoted else f"{path}: "):
         read_bytes(path, 10, "muscle file")
-    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -45,9 +46,8 @@ def test_anything_else_is_refused_at_once(tmp_path, monkeypatch, kind):
 )  # fmt: skip
 def test_a_key_of_many_parts_is_refused(text):
     # parsing the shortest of them took 4 s, the longest 40
-    with pytest.raises(ValueError, match=r"^m\.toml: not TOML: .*\.$") as refused:
+    with refuses_at("m.toml: "):
         parse_toml(text, "m.toml")
-    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import pytest
 
 import fascicle as fs
 from fascicle.muscle.validation import FittedLength, fitted_length_mismatch
+from refusing import warns
 
 
 SIZES = (0.15, 6e-3, 1e-3, np.radians(25))
@@ -22,9 +23,8 @@ def fitted(ends=False):
 
 
 def test_another_length_warns_with_both_lengths():
-    with pytest.warns(UserWarning, match="150 mm and its length is now 300 mm") as told:
+    with warns("150 mm", "300 mm"):
         longer = fitted().replace(length=0.3)
-    assert "304 N at 83 mm and 441 N at 382 mm" in str(told[0].message)
     # what else is changed of it says nothing again, and back at its length there is nothing to say
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -48,7 +48,7 @@ def test_it_is_copied_pickled_sent_and_compared():
     pickled = pickle.loads(pickle.dumps(other))  # noqa: S301 what was just written
     for again in (copy.deepcopy(other), pickled, sent):
         assert again == other != plain
-        with pytest.warns(UserWarning, match="150 mm and its length is now 300 mm"):
+        with warns("150 mm", "300 mm"):
             again.replace(length=0.3)
     assert float(jax.jit(lambda muscle: muscle.force(1e5, 0.1))(other)) == pytest.approx(
         float(plain.force(1e5, 0.1)), rel=1e-12

@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 from asked import asked
 from fascicle.core.errors import InvalidInputError, MissingExtraError
 from fascicle.records import load, loads, runs
+from refusing import refuses, refuses_at
 
 
 TIME = [0.0, 0.1, 0.2, 0.3]
@@ -68,7 +69,7 @@ def test_rows_with_holes_are_left_out_and_counted():
     assert any("3 rows with holes left out" in note for note in record.notes)
     mostly = text.replace("20,165", ",165").removesuffix("\n")
     for wrong in (mostly, "p [kPa],F [N],L [mm]\n100,,180\n100,40,\n"):
-        with pytest.raises(ValueError, match=r"4 of 6 rows|no readings"):
+        with refuses_at("<text>"):
             loads(wrong, rest_length=REST)
 
 
@@ -175,7 +176,7 @@ def test_files_by_pattern(tmp_path):
     assert len(record) == 16 and len(record.sources) == 4
     assert sorted(set(record.pressure)) == [100e3, 200e3]
     assert_allclose(sorted(set(record.strain)), [0, 10 / 180])
-    with pytest.raises(FileNotFoundError, match="no file fits"):
+    with refuses_at(f"{tmp_path / '*.txt'}: "):
         load(str(tmp_path / "*.txt"))
 
 
@@ -196,7 +197,7 @@ def test_absolute_pressures_and_zeros_of_gauges():
     text = "P [kPa],F [N],x [mm]\n" + table(",", shifted)
     zeros = {"pressure": "1.5 kPa", "force": 8.0, "displacement": "2 mm"}
     check(loads(text, rest_length=REST, zeros=zeros), time=False)
-    with pytest.raises(ValueError, match="mass"):
+    with refuses("zeros"):
         loads(text, rest_length=REST, zeros={"mass": 1})
 
 
@@ -206,7 +207,7 @@ def test_directions():
     assert asked(text, rest_length=REST)[0][:2] == ("signs", "displacement")
     signs = {"displacement": "extension", "force": "pushing positive"}
     check(loads(text, rest_length=REST, signs=signs), time=False)
-    with pytest.raises(ValueError, match="of force must be"):
+    with refuses("signs"):
         loads(text, rest_length=REST, signs={"force": "up"})
 
 
@@ -372,7 +373,7 @@ def test_channels_at_two_rates_are_refused(tmp_path):
         sampled.replace("Delta_X\t0.1\t0.1", "Delta_X\t0.1\t0.2"),
         names + table("\t", [*columns[:2], half, *columns[3:]]),
     ):
-        with pytest.raises(ValueError, match="resample"):
+        with refuses_at("<text>"):
             loads(text, rest_length=REST)
 
     nptdms = pytest.importorskip("nptdms")
@@ -398,10 +399,10 @@ def test_channels_with_clocks_of_their_own_are_interpolated_on_one():
     assert_allclose(record.force, np.interp(record.time, TIME, FORCE))
     assert_allclose(record.pressure, 200e3 + 10e3 * record.time)
     for step in ("0 s", "1 s", "1 kPa", "1 ns"):
-        with pytest.raises(ValueError, match=r"`resample`|no unit of time"):
+        with refuses("resample"):
             loads(text, rest_length=REST, resample=step)
     without = "F [N],p [kPa],L [mm]\n" + table(",", [FORCE, PRESSURE, LENGTH])
-    with pytest.raises(ValueError, match="no column of time"):
+    with refuses_at("<text>, line 1"):
         loads(without, rest_length=REST, resample="50 ms")
 
 
@@ -421,11 +422,12 @@ def test_signals_of_gauges_have_scales(tmp_path):
     choices = asked(text, scales={"pressure": scales["pressure"]}, **given)
     assert choices[0][:2] == ("scales", "force")
     named = text.replace("P_sens [V]", "P [kPa]")
-    with pytest.raises(ValueError, match="unit is kPa, not V"):
+    with refuses_at("<text>, line 1"):
         loads(named, columns={"pressure": "P"}, scales=scales, **given)
     for wrong in ("1.475bar", "V", "1.475N/V", 3):
-        with pytest.raises(ValueError, match=r"scale.* of pressure|no unit of pressure"):
+        with pytest.raises(InvalidInputError) as error:
             loads(text, scales={"pressure": wrong}, **given)
+        assert error.value.argument.startswith("scale")
 
 
 def test_a_mat_file_with_a_bare_matrix_or_a_constant(tmp_path):
@@ -501,7 +503,7 @@ def test_a_sheet_whose_formats_are_too_long_is_refused_at_once(tmp_path):
     openpyxl.Workbook().save(tmp_path / "m.xlsx")
     form = b'<numFmt formatCode="' + b"[" * 300 + b'"/>'
     change_part(tmp_path / "m.xlsx", "xl/styles.xml", lambda text: text + form)
-    with pytest.raises(ValueError, match="255 characters"):
+    with refuses_at(f"{tmp_path / 'm.xlsx'}: "):
         load(tmp_path / "m.xlsx")
 
 
@@ -530,17 +532,17 @@ def test_a_row_whose_number_does_not_rise_is_refused(tmp_path, number):
 def test_binary_files_that_cannot_be_read(tmp_path, start):
     path = tmp_path / "m.bin"
     path.write_bytes(start + bytes(200))
-    with pytest.raises(ValueError, match=r"m\.bin") as error:
+    with refuses_at(f"{path}: "):
         load(path)
-    assert "\n" not in str(error.value)
 
 
 def test_a_missing_reader_is_named(tmp_path, monkeypatch):
     path = tmp_path / "m.bin"
     path.write_bytes(b"PK\3\4" + bytes(200))
     monkeypatch.setitem(sys.modules, "openpyxl", None)
-    with pytest.raises(MissingExtraError, match="openpyxl"):
+    with pytest.raises(MissingExtraError) as error:
         load(path)
+    assert error.value.name == "openpyxl"
 
 
 def test_isometric_and_isotonic_records_have_runs():
@@ -611,7 +613,7 @@ def test_groups_that_state_pressures_are_one_record(tmp_path):
     record = load(path, table="P=2*", name_pattern="{rest_length}mm P={pressure}kPa")
     assert (record.rest_length, set(record.pressure)) == (REST, {2e5})
     for wrong in ({"table": "*", "name_pattern": "{pressure}bar"}, {"table": "Q*"}):
-        with pytest.raises(ValueError, match="P=100kPa"):
+        with refuses_at(f"{path}: "):
             load(path, rest_length=REST, **wrong)
 
 
@@ -640,5 +642,5 @@ def test_columns_that_are_named_by_their_units_alone():
      "p [kPa],F at 180 mm [N],F at 170 mm [N]\n0,0,0\n100,50,25\n"],
 )  # fmt: skip
 def test_a_column_for_each_pressure_is_refused(text):
-    with pytest.raises(ValueError, match="pandas"):
+    with refuses_at("<text>"):
         loads(text, rest_length=REST)

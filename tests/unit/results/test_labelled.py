@@ -9,6 +9,7 @@ from numpy.testing import assert_array_equal
 
 from fascicle.results import labelled as results
 from fascicle.results.labelled import Variable
+from refusing import refuses_at
 
 
 FORCE = np.array([[1.5, np.nan], [-2.0, 0.1], [3.0, 4.0]])
@@ -79,13 +80,13 @@ def test_written_results_read_back(tmp_path, name):
 def test_folder_without_a_store_is_kept(tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: object())
     (tmp_path / "x.zarr").mkdir()
-    with pytest.raises(ValueError, match="it isn't replaced"):
+    with refuses_at(f"{str(tmp_path / 'x.zarr')!r}: "):
         results.check_result_path(tmp_path / "x.zarr")
 
 
 def test_refuses_other_endings(tmp_path):
     for name in ("x.xls", "x", "x.nc.txt"):
-        with pytest.raises(ValueError, match=name):
+        with refuses_at(f"{str(tmp_path / name)!r}: "):
             results.write(VARIABLES, tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
@@ -101,7 +102,7 @@ def test_on_a_full_disk_the_former_result_stays(tmp_path, suffix):
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limits[1]))
     try:
-        with pytest.raises(OSError, match=rf"x{suffix}: can't be written: "):
+        with refuses_at(f"{path}: "):
             results.write(table, path)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)

@@ -10,6 +10,7 @@ import pytest
 
 import fascicle as fs
 from fascicle import fluid
+from refusing import refuses
 
 
 mujoco = pytest.importorskip("mujoco", reason="the extra robots isn't here")
@@ -203,9 +204,9 @@ def test_pull_outside_of_the_table_warns(elbow, bundle, name, stretch):
         assert np.isfinite(getattr(drive, name)(HELD, lengths)).all()
     with pytest.warns(TableWarning, match="extensor"):
         getattr(drive, name)(np.tile(HELD, (2, 1)), np.stack([drive.rest_lengths, lengths]))
-    with pytest.raises(fs.InvalidInputError, match="`pressures` must lie in"):
+    with refuses("pressures"):
         getattr(drive, name)(np.array([9e5, 0.0]), drive.rest_lengths)
-    with pytest.raises(fs.InvalidInputError, match="`lengths` must lie in"):
+    with refuses("lengths"):
         getattr(drive, name)(HELD, lengths * np.nan)
     assert np.isfinite(getattr(drive, name)(HELD, drive.rest_lengths)).all()
 
