@@ -20,11 +20,11 @@ SHORT = (
 
 def test_a_table_files_and_a_page(fascicle, tmp_path):
     (tmp_path / "a.toml").write_text(SHORT)
-    code, out, err = fascicle(
+    code, _, err = fascicle(
         "simulate", "a.toml", "-o", "a.nc", "--plot", "a.png", "--report", "a.html",
         "--bode", "bode.pdf",
     )  # fmt: skip
-    assert (code, err) == (0, "") and all(f"wrote {x}" in out for x in ("a.nc", "bode.pdf"))
+    assert (code, err) == (0, "") and Path("bode.pdf").exists()
     data = xarray.load_dataset(tmp_path / "a.nc")
     assert data.sizes["time"] == 41
     assert "<h1" in (tmp_path / "a.html").read_text()

@@ -9,6 +9,7 @@ from mutations import mutated
 from fascicle.cli.muscle import template
 from fascicle.files import dumps, example_text, loads
 from fascicle.files.task import loads_task
+from refusing import refuses_at
 
 
 MUSCLES = [
@@ -147,13 +148,12 @@ def test_task_files(seed, times):
 )  # fmt: skip
 def test_what_a_hostile_trial_found(text):
     for function in (loads, loads_task):
-        with pytest.raises(ValueError, match=r"^x\.toml: ") as refused:
+        with refuses_at("x.toml: "):
             function(text, "x.toml")
-        assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize("count", [2**63 - 1, 2**63, 2**64, 10**4000, -1, 0])
 def test_counts_that_nobody_builds(count):
     text = example_text("kim2021_bundle_1_4").replace("count = 4", f"count = {count}")
-    with pytest.raises(ValueError, match=r"^x\.toml: bundle.motor_unit"):
+    with refuses_at("x.toml: bundle.motor_unit"):
         loads(text, "x.toml")

@@ -7,6 +7,7 @@ from measured import measured
 from asked import asked
 from fascicle.records import load, runs
 from fascicle.records.headers import MissingMetadataError
+from refusing import refuses_at
 
 
 LENGTH = {"rest_length": 0.18}
@@ -65,13 +66,11 @@ def test_hanging_masses_are_weights(name, column, unit):
     assert record.force.min() == pytest.approx(0.2 * 9.80665)  # N: the lightest mass, of 200 g
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [("08_arduino_monitor.txt", "serial monitor"), ("28_wide.csv", "melt")],
-)
-def test_what_is_not_read_is_refused_with_a_remedy(name, words):
-    with pytest.raises(ValueError, match=words):
-        load(measured(f"field-cases/{name}"), constants={"force": "2.55 kgf"}, **LENGTH)
+@pytest.mark.parametrize("name", ["08_arduino_monitor.txt", "28_wide.csv"])
+def test_what_is_not_read_is_refused(name):
+    path = measured(f"field-cases/{name}")
+    with refuses_at(f"{path}, line 1: "):
+        load(path, constants={"force": "2.55 kgf"}, **LENGTH)
 
 
 def test_channels_with_a_clock_each_are_refused_with_the_choice():

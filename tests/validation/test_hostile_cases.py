@@ -15,9 +15,9 @@ from refusing import refuses_at
      "header_redos.csv", "surrogate_note.json"],
 )  # fmt: skip
 def test_a_file_that_attacks_is_refused(name):
-    with pytest.raises(ValueError, match=name) as error:
-        load(measured(f"hostile-cases/{name}"))
-    assert "\n" not in str(error.value)
+    path = measured(f"hostile-cases/{name}")
+    with refuses_at(str(path)) as error:
+        load(path)
     str(error.value).encode()
 
 

@@ -19,6 +19,7 @@ from fascicle.explorer.data_tab import (
 )
 from fascicle.explorer.state import Session, view_of
 from fascicle.plot.theme import LIGHT
+from refusing import refuses_at
 
 
 SIX = view_of(fs.example("kim2021_figure_6"), "kim2021_figure_6")
@@ -101,8 +102,9 @@ def test_readings_are_read_and_have_curves():
 def test_a_large_file_is_refused_with_its_limit():
     rows = HEAD + b"100,0,20\n" * (MOST_ROWS + 1)
     for raw, limit in ((b"x" * (LARGEST_FILE + 1), LARGEST_FILE), (rows, MOST_ROWS)):
-        with pytest.raises(ValueError, match=str(limit)):
+        with refuses_at("d.csv: ") as error:
             read_record(raw, "d.csv", MUSCLE)
+        assert str(limit) in str(error.value)
 
 
 def test_spreadsheets_and_mat_files_are_read_within_limits(tmp_path):
@@ -119,7 +121,7 @@ def test_spreadsheets_and_mat_files_are_read_within_limits(tmp_path):
     assert read_record(path.read_bytes(), path.name, MUSCLE).force.tolist() == F
     book.active["XFD1048576"] = 1
     book.save(path)
-    with pytest.raises(ValueError, match=r"more than|1048576"):
+    with refuses_at("d.xlsx, line 1048576: "):
         read_record(path.read_bytes(), path.name, MUSCLE)
     path = tmp_path / "d.mat"
     columns = {"pressure_kPa": P, "force_N": F, "strain": x}
@@ -127,12 +129,12 @@ def test_spreadsheets_and_mat_files_are_read_within_limits(tmp_path):
     assert read_record(path.read_bytes(), path.name, MUSCLE).force.tolist() == F
     savemat(path, {"image": np.zeros(6_000_000)}, do_compression=True)
     assert path.stat().st_size < LARGEST_FILE
-    with pytest.raises(ValueError, match="more than 5000000 numbers"):
+    with refuses_at("d.mat: "):
         read_record(path.read_bytes(), path.name, MUSCLE)
 
 
 def test_a_name_is_never_opened():
-    with pytest.raises(ValueError, match="passwd"):
+    with refuses_at("/etc/passwd, line 1: "):
         read_record(b"a,b\n1,2\n", "/etc/passwd", MUSCLE)
 
 

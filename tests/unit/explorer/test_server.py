@@ -78,7 +78,7 @@ def test_the_next_free_port_is_used_unless_one_is_given(monkeypatch):
         used = other.getsockname()[1]
         monkeypatch.setattr(server, "PORT", used)
         assert asyncio.run(start(None)) not in (0, used)
-        with pytest.raises(OSError, match=f"can't listen on 127.0.0.1, port {used}"):
+        with pytest.raises(OSError, match=str(used)):
             asyncio.run(start(used))
     gc.collect()  # sockets
 

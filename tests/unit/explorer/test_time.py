@@ -24,6 +24,7 @@ from fascicle.explorer.time_tab import TimeView
 from fascicle.files import dumps, example_text, loads_scenario
 from fascicle.plot.theme import LIGHT
 from fascicle.results.tables import simulated
+from refusing import refuses, refuses_at
 
 
 NAME = "raise_1_4"
@@ -74,19 +75,19 @@ def test_a_link_holds_the_setup_and_a_visitors_file():
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    "change",
     [
-        (("kim2021_bundle_1_4", "../secret.toml"), "another file"),
-        (("[run]", '[hysteresis]\nkind = "measured"\nmuscle = "a.toml"\n\n[run]'), "another file"),
-        (('"kim2021_bundle_1_4"', '["kim2021_bundle_1_1", "kim2021_bundle_1_1"]'), "not two"),
-        (("format = 1", "format = 2"), "format"),
-        (("[load]", "[load"), "line"),
+        ("kim2021_bundle_1_4", "../secret.toml"),
+        ("[run]", '[hysteresis]\nkind = "measured"\nmuscle = "a.toml"\n\n[run]'),
+        ('"kim2021_bundle_1_4"', '["kim2021_bundle_1_1", "kim2021_bundle_1_1"]'),
+        ("format = 1", "format = 2"),
+        ("[load]", "[load"),
     ],
 )
-def test_a_file_that_the_page_cant_run_is_refused(change, message):
+def test_a_file_that_the_page_cant_run_is_refused(change):
     text = example_text("lift_gas")
     assert change[0] in text
-    with pytest.raises(ValueError, match=message):
+    with refuses_at("mine.toml: "):
         open_setup(text.replace(*change), "mine.toml")
 
 
@@ -168,10 +169,9 @@ def test_jobs_that_end_together_and_a_process_that_dies_leave_the_next_ones_alon
     with ThreadPoolExecutor(2) as threads:
         roots = threads.map(lambda x: run_job(math.sqrt, x), [float(x) for x in range(40)])
         assert list(roots) == [math.sqrt(x) for x in range(40)]
-    with pytest.raises(ValueError, match="math domain"):
-        run_job(math.sqrt, -1.0)
-    with pytest.raises(ValueError, match="too little memory"):
-        run_job(os._exit, 1)
+    for function, argument in ((math.sqrt, -1.0), (os._exit, 1)):
+        with refuses_at(""):
+            run_job(function, argument)
     assert run_job(math.sqrt, 4.0) == 2.0
     stop_jobs()
 
@@ -187,7 +187,7 @@ def test_a_canceled_run_is_not_shown(tab, monkeypatch):
 
 def test_a_long_run_is_refused():
     text = example_text("lift_gas").replace('"6 s"', '"60 s"')
-    with pytest.raises(ValueError, match="60000"):
+    with refuses_at("long.toml: "):
         time_run.run_policies(text, "long.toml", ())
 
 
@@ -207,7 +207,7 @@ def test_a_file_is_opened_and_refused(tab):
     assert tab.session.view.setup.name == "mine.toml"
     assert not tab.inputs.policies.visible
     tab.inputs.file.param.update(value=b"\xff\xfe", filename="bad.toml")
-    assert "bad.toml: not a text file in UTF-8" in tab.message.text
+    assert "bad.toml" in str(tab.message.text)
     assert tab.session.view.setup.name == "mine.toml"
     with pytest.raises(InvalidInputError):
         tab.session.view.setup.with_value("run.duration", 1.0)
@@ -225,5 +225,5 @@ def test_a_visitors_scenario_reads_no_file_of_the_server(table, tmp_path, monkey
     monkeypatch.chdir(tmp_path)
     (tmp_path / "m.toml").write_text(example_text("kim2021_bundle_1_4"))
     text = example_text("ramp_1_4").replace("[control]", table)
-    with pytest.raises(ValueError, match="no named example"):
+    with refuses("control.model"):
         loads_scenario(text, "visitor.toml")

@@ -129,7 +129,7 @@ def test_columns_by_place():
     two = "force[N],pressure[kPa]"
     for wrong in ("force[N],voltage,-", "force[N],force,-", f"{two},-,-,length[mm],time",
                   f"{two},-", two):  # fmt: skip
-        with pytest.raises(ValueError, match="column"):
+        with refuses_at(""):
             loads(text, columns=wrong, rest_length=REST)
 
 
@@ -149,7 +149,7 @@ def test_constants_come_from_options_sidecar_and_name(tmp_path):
         {"name_pattern": "{pressure}kPa"}, {"name_pattern": "{mass}kg"},
         {"constants": {"pressure": "3 MPa"}},
     ):  # fmt: skip
-        with pytest.raises(ValueError, match=r"pattern|mass|pressure"):
+        with refuses_at(""):
             load(path, **options)
     columns = 'columns = ["force [N]", "pressure [kPa]"]\n'
     path.with_suffix(".toml").write_text(columns + 'strain = 0.1\nrows = "2:"\n')
@@ -186,7 +186,7 @@ def test_rows_are_selected_before_they_are_read():
     check(loads(text, rows="3:", rest_length=REST), time=False)
     assert loads(text, rows="4:5", rest_length=REST).force.tolist() == FORCE[1:3]
     for rows in ("9:", "3", "5:3"):
-        with pytest.raises(ValueError, match=r"rows|first"):
+        with refuses_at(""):
             loads(text, rows=rows, rest_length=REST)
 
 
@@ -446,7 +446,7 @@ def test_a_mat_file_with_a_bare_matrix_or_a_constant(tmp_path):
     for refused in ({"rec": named}, {"log": {"Y": [{"Name": "p", "Data": PRESSURE}]}},
                     named | {"force_N": FORCE[1:]}, two):  # fmt: skip
         savemat(path, refused)
-        with pytest.raises(ValueError, match=r"table|save each column as one"):
+        with refuses_at(f"{path}: "):
             load(path, rest_length=REST)
     columns = "pressure[kPa],force[N],length[mm]"
     check(load(path, rest_length=REST, table="down", columns=columns), time=False)

@@ -21,7 +21,6 @@ def refusal(text, **given):
     with refuses_at("m.csv") as caught:
         loads(text, source="m.csv", **given)
     message = str(caught.value)
-    assert "\n" not in message
     assert len(message) < 300
     return message
 
@@ -209,7 +208,7 @@ def test_columns_and_units_can_be_given():
     assert_array_equal(record.force, [50, 20])
     refusal(text, columns=given | {"force": "Load cell 3"}, units=units)
     for wrong in ({"columns": {"forc": "A"}}, {"units": {"colour": "red"}}):
-        with pytest.raises(ValueError, match=r"|".join(wrong)):
+        with refuses(*wrong):
             loads(text, **wrong)
     # a given unit wins over the header's
     record = loads(GOOD, units={"force": "lbf"}, rest_length=0.3)

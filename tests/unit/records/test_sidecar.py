@@ -1,5 +1,4 @@
 import contextlib
-import re
 
 import numpy as np
 import pytest
@@ -7,6 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle.records import load
 from fascicle.records.sidecar import Sidecar, read_sidecar
+from refusing import refuses_at
 
 
 TABLE = "A,position [mm],pressure [kPa]\n-50,12.5,100\n0,-17.5,100\n"
@@ -76,15 +76,14 @@ def test_a_muscles_file_of_the_same_name_is_not_meant(files):
         ("clipped_at_zero = 1", "clipped_at_zero"), ("columns = 3", "columns"),
         ("[columns]\nforce = 3", "columns.force"), ('[columns]\nforc = "A"', "columns"),
         ('[signs]\nforce = "pushing"', "signs.force"), ("notes = [1]", "notes[0]"),
-        ("a = ", "not TOML"), ("a." * 60_000 + "a = 1", "not TOML"), ("\0", "not TOML"),
+        ("a = ", ""), ("a." * 60_000 + "a = 1", ""), ("\0", ""),
     ],
 )  # fmt: skip
 def test_invalid_sidecars(tmp_path, text, place):
     path = tmp_path / "m.toml"
     path.write_text(text)
-    with pytest.raises(ValueError, match=f"^{re.escape(f'{path}: {place}')}") as caught:
+    with refuses_at(f"{path}: {place}"):
         read_sidecar(path)
-    assert "\n" not in str(caught.value)
 
 
 VALUES = ["[1]", '[["a"]]', "{}", "3", "2024-01-01", "{ angle = 1, arm = 2 }", "true", "[]", '""']
