@@ -169,12 +169,12 @@ class Problem:
         """Forces [N] of the model at the readings, 0 for padding; axes of a batch come first."""
         point_at_levels = point[..., None] if point.ndim > 1 else point
         muscle, gauge = self.muscle_at(point_at_levels), self.gauge_at(point_at_levels)
-        level, order = self._places
+        level, strain, place, order = self._places
         law, P = muscle.law, self.grid.pressure[:, 0]
         if point.ndim > 1:
             # laws add axes ahead of the pressure's
             P = np.broadcast_to(P, (*point.shape[1:], P.size))
-        strain = self.grid.strain[self.grid.used] * self._strain_scale(muscle)
+        strain = strain * self._strain_scale(muscle)
         base = self.gauge
         if gauge is not PERFECT:  # pressures below zero are a corrected transducer's noise
             P = maximum(P - (gauge.pressure_zero - base.pressure_zero), 0.0)
@@ -184,6 +184,7 @@ class Problem:
                 force = law.tension.force(P[..., level], strain)
             else:
                 force = law.at(P).take(level).force(strain)[0]
+        force = force[..., place]
         if gauge is not base:
             elapsed = np.broadcast_to(self.grid.elapsed, order.shape)[self.grid.used]
             force = base.true_force(gauge.read_force(force, elapsed), elapsed)
@@ -194,12 +195,16 @@ class Problem:
         return where(self.grid.used, force, 0.0)
 
     @cached_property
-    def _places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Level of each reading, row by row, and its index at each entry; -1 for padding."""
+    def _places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Level and strain [-] of each distinct place: steps at a held length repeat theirs; place
+        of each reading, row by row, and its index at each entry; -1 for padding.
+        """
         used = self.grid.used
         order = np.full(used.shape, -1)
         order[used] = np.arange(np.sum(used))
-        return np.nonzero(used)[0], order
+        readings = np.stack([np.nonzero(used)[0], self.grid.strain[used]])
+        (level, strain), place = np.unique(readings, axis=1, return_inverse=True)
+        return level.astype(int), strain, place, order
 
     def force_and_slopes(
         self, point: Vector, columns: np.ndarray | None = None, fine: bool = False
@@ -360,16 +365,19 @@ def _walk(
             last[key] = problem.force_and_slopes(complete(z), free_columns)
         return last[key]
 
+    # padding has no residuals
+    rows = np.append(problem.grid.used, np.ones(len(start), dtype=bool))
+
     def residuals(z: np.ndarray) -> np.ndarray:
-        r = problem.residuals(complete(z), force_and_slopes(z)[0])
+        r = problem.residuals(complete(z), force_and_slopes(z)[0])[rows]
         # where the law has no number a step is too far
         return r if np.all(np.isfinite(r)) else np.full(r.size, _NO_NUMBER)
 
     def jacobian(z: np.ndarray) -> np.ndarray:
-        return problem.slopes(*force_and_slopes(z), free_columns)
+        return problem.slopes(*force_and_slopes(z), free_columns)[rows]
 
     z = start[free_columns]
-    r, J = problem.residuals(start, force_and_slopes(z)[0]), jacobian(z)
+    r, J = problem.residuals(start, force_and_slopes(z)[0])[rows], jacobian(z)
     if not (np.all(np.isfinite(r)) and np.all(np.isfinite(J))):
         return start, np.nan, BROKE, 0
     if not free_columns.size:
