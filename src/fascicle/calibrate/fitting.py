@@ -163,7 +163,8 @@ def _with_binding_priors(
         return calibration
     problem = calibration.problem
     weight = problem.weight / np.max(calibration.wider[loose])
-    solution = solve_with_noise(replace(problem, weight=weight), calibration.coordinates[None])
+    loosened = replace(problem, weight=weight)
+    solution = solve_with_noise(loosened, calibration.coordinates[None], tolerance=ROUGH)
     bound = replace(_calibration(data, solution), start=calibration.start)
     error_in_weights = {"inflation": 1.0, "from_pressure": 0.0, "covariance": 0.0}
     return replace(bound, diagnosis=replace(diagnose(bound), **error_in_weights))

@@ -167,9 +167,17 @@ class Problem:
 
     def force(self, point: AnyArray) -> Table:
         """Forces [N] of the model at the readings, 0 for padding; axes of a batch come first."""
+        force, used = self._reading_forces(point), self.grid.used
+        xp, order = array_namespace(force), np.full(used.shape, -1)
+        order[used] = np.arange(np.sum(used))
+        force = xp.concatenate([force, xp.zeros((*force.shape[:-1], 1))], axis=-1)[..., order]
+        return where(used, force, 0.0)
+
+    def _reading_forces(self, point: AnyArray) -> Batch:
+        """Forces [N] of the model at the readings, row by row."""
         point_at_levels = point[..., None] if point.ndim > 1 else point
         muscle, gauge = self.muscle_at(point_at_levels), self.gauge_at(point_at_levels)
-        level, strain, place, order = self._places
+        level, strain, place = self._places
         law, P = muscle.law, self.grid.pressure[:, 0]
         if point.ndim > 1:
             # laws add axes ahead of the pressure's
@@ -186,25 +194,22 @@ class Problem:
                 force = law.at(P).take(level).force(strain)[0]
         force = force[..., place]
         if gauge is not base:
-            elapsed = np.broadcast_to(self.grid.elapsed, order.shape)[self.grid.used]
+            used = self.grid.used
+            elapsed = np.broadcast_to(self.grid.elapsed, used.shape)[used]
             force = base.true_force(gauge.read_force(force, elapsed), elapsed)
         if self.branch is not None:
             force = force + loop_force(self.grid, self.branch, self.weight, force)
-        xp = array_namespace(force)
-        force = xp.concatenate([force, xp.zeros((*force.shape[:-1], 1))], axis=-1)[..., order]
-        return where(self.grid.used, force, 0.0)
+        return force
 
     @cached_property
-    def _places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Level and strain [-] of each distinct place: steps at a held length repeat theirs; place
-        of each reading, row by row, and its index at each entry; -1 for padding.
+    def _places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Level and strain [-] of each distinct place, and the place of each reading, row by row:
+        readings at a held length share theirs.
         """
         used = self.grid.used
-        order = np.full(used.shape, -1)
-        order[used] = np.arange(np.sum(used))
         readings = np.stack([np.nonzero(used)[0], self.grid.strain[used]])
         (level, strain), place = np.unique(readings, axis=1, return_inverse=True)
-        return level.astype(int), strain, place, order
+        return level.astype(int), strain, place
 
     def force_and_slopes(
         self, point: Vector, columns: np.ndarray | None = None, fine: bool = False
@@ -222,13 +227,15 @@ class Problem:
         step = size * (np.arange(len(point))[:, None] == columns)
         steps = [0.0 * point[:, None], step, *([2 * step] if fine else [])]
         points = point[:, None] + np.concatenate(steps, axis=1)
-        forces = self.force(points)
-        n, force = len(columns), forces[0]
-        rise = forces[1 : n + 1] - force
+        forces = self._reading_forces(points)
+        n, used = len(columns), self.grid.used
+        rise = forces[1 : n + 1] - forces[0]
         if fine:
             # in this form a force that doesn't change has a slope of exactly zero
-            rise = 2 * rise - (forces[n + 1 :] - force) / 2
-        return force, np.moveaxis(rise, 0, -1) / size
+            rise = 2 * rise - (forces[n + 1 :] - forces[0]) / 2
+        force, slopes = np.zeros(used.shape), np.zeros((*used.shape, n))
+        force[used], slopes[used] = forces[0], rise.T / size
+        return force, slopes
 
     def misfits(self, force: Table) -> tuple[np.ndarray, np.ndarray]:
         """Residuals of the readings [-], (C1) and (C2), at a model's `force` [N], before any loss;
@@ -498,7 +505,7 @@ def solve_with_noise(
     depends on the noise, and the noise on the fit.
     """
     # which start leads lowest shows long before each has settled: only that one goes on
-    ends = solve(problem, starts, tolerance=ROUGH)
+    first, ends = problem.noise, solve(problem, starts, tolerance=ROUGH)
     best = ends.points[ends.best]
     if curves_covariance is None:
         for _ in range(_NOISE_ROUNDS):
@@ -511,11 +518,8 @@ def solve_with_noise(
             if settled:
                 break
             best = solve(problem, best[None], tolerance=ROUGH).points[0]
-        if len(starts) > 1 and tolerance < ROUGH:
-            # the others follow with the noise as it is now, so that their ends can be compared
-            again = solve(problem, np.concatenate([ends.points, best[None]]), tolerance=ROUGH)
-            ends = again._replace(steps=again.steps + np.append(ends.steps, 0))
-            best = ends.points[ends.best]
+    # other ends are compared with the noise as it is now
+    ends = ends._replace(cost=ends.cost * (first / problem.noise) ** 2)
     if tolerance < ROUGH:
         best = solve(problem, best[None], tolerance=tolerance).points[0]
     return Solution(problem, ends, best, minimum_at(problem, best, curves_covariance))
@@ -530,10 +534,10 @@ def search_minimum(
     moves: that leaves shallow minima side by side, within the fit's own uncertainty, and where no
     reading shows a collapse, the data don't lead to one. A record that only pulls has none.
     """
-    solution = solve_with_noise(problem, starts, curves_covariance)
-    problem, first, best, minimum, _ = solution
     if problem.pulls:
-        return solution
+        return solve_with_noise(problem, starts, curves_covariance)
+    solution = solve_with_noise(problem, starts, curves_covariance, ROUGH)
+    problem, first, best, minimum, _ = solution
     # a collapse beyond all readings may lie among them one unit further along any coordinate that
     # the data don't determine
     unit = np.array([parameter.deviation / WEAK for parameter in problem.parameters])
