@@ -167,13 +167,13 @@ class Problem:
 
     def force(self, point: AnyArray) -> Table:
         """Forces [N] of the model at the readings, 0 for padding; axes of a batch come first."""
-        force, used = self._reading_forces(point), self.grid.used
+        force, used = self.reading_forces(point), self.grid.used
         xp, order = array_namespace(force), np.full(used.shape, -1)
         order[used] = np.arange(np.sum(used))
         force = xp.concatenate([force, xp.zeros((*force.shape[:-1], 1))], axis=-1)[..., order]
         return where(used, force, 0.0)
 
-    def _reading_forces(self, point: AnyArray) -> Batch:
+    def reading_forces(self, point: AnyArray) -> Batch:
         """Forces [N] of the model at the readings, row by row."""
         point_at_levels = point[..., None] if point.ndim > 1 else point
         muscle, gauge = self.muscle_at(point_at_levels), self.gauge_at(point_at_levels)
@@ -227,7 +227,7 @@ class Problem:
         step = size * (np.arange(len(point))[:, None] == columns)
         steps = [0.0 * point[:, None], step, *([2 * step] if fine else [])]
         points = point[:, None] + np.concatenate(steps, axis=1)
-        forces = self._reading_forces(points)
+        forces = self.reading_forces(points)
         n, used = len(columns), self.grid.used
         rise = forces[1 : n + 1] - forces[0]
         if fine:
