@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.findings import Finding, Severity
 from .calibration import Calibration, rms
-from .gauges import drift_confounders
+from .gauges import PERFECT, drift_confounders
 from .model_selection import Selection
 
 
@@ -43,7 +43,10 @@ def _of_gauges(calibration: Calibration) -> Iterator[Finding]:
     """Errors of the gauges, and faults of the channels."""
     ends = {e.name: {"low": e.low, "high": e.high} for e in calibration.parameters}
     for name, value in calibration.gauge.faults.items():
-        yield _warning(f"gauge.{name}", value=value, **ends.get(name, {}))
+        interval = ends.get(name, {})
+        # an error that may be none isn't named
+        if not interval or not interval["low"] <= getattr(PERFECT, name) <= interval["high"]:
+            yield _warning(f"gauge.{name}", value=value, **interval)
     for fault in calibration.fit_data.faults:
         if fault.kind != "floor":  # its readings are among those that are clipped
             data = {"channel": fault.channel, "value": fault.value, "count": fault.count}

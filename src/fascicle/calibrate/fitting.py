@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from ..core.errors import InvalidInputError
 from ..core.module import to_numpy, with_fields
-from ..core.validation import RANGES, check_choice, check_finite, check_positive
+from ..core.validation import RANGES, check_choice
 from ..muscle import Muscle
 from ..muscle.tuning import Tuning
 from ..muscle.validation import END_PARAMETERS, FittedLength
@@ -351,9 +351,11 @@ def _at_priors(
         prior = priors.get(parameter.name)
         if prior is None:
             continue
-        check = check_finite if parameter.linear else check_positive
-        check(prior.value, parameter.name, "SI")
-        check_positive(prior.deviation, f"{parameter.name}_deviation", "SI")
+        least, kind = (-np.inf, "finite") if parameter.linear else (0.0, "positive")
+        if not (least < prior.value < np.inf and 0 < prior.deviation < np.inf):
+            rule = f"of {parameter.name} needs a {kind} value and a positive deviation"
+            numbers = prior.value, prior.deviation
+            raise InvalidInputError("priors", rule, numbers, shown=f"{numbers} (SI)")
         if parameter.of_gauge:
             gauge = replace(gauge, **{parameter.name: prior.value})
         else:

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.errors import InvalidInputError
+from ..core.validation import check_choice
 from ..muscle import Muscle
 from ..muscle.materials import MooneyRivlin
 from ..records.record import Record
@@ -42,9 +43,9 @@ from .parameters import (
     FACTOR_NAMES,
     RUBBER,
     WEAK,
+    parameters_of,
     pulling_constants,
     put,
-    select_parameters,
     with_optional_laws,
 )
 from .readings import SmoothCurves, pulling_force, read_curves, top_pressure
@@ -149,8 +150,8 @@ def select_model(
         data = pulling_only(data)
     options = FitOptions(loss, starts, seed, whole=False)
     extended = muscle if "ends" in given_laws else with_optional_laws(muscle)
-    if priors:
-        select_parameters(list(priors), extended)  # raises for unknown names
+    for name in priors:
+        check_choice(name, parameters_of(extended), "priors")
     pulling = thin(pulling_only(data))
     if not np.any(pulling.grid.measured):  # `fit` raises the error
         return Selection(fit_data(data, muscle, None, None, replace(options, whole=True)))

@@ -9,7 +9,7 @@ are as safe in one motor unit as in several.
 """
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import attrs
 import numpy as np
@@ -99,14 +99,14 @@ class Uncertainty:
     """Random draws of designs, and the share of them that must hold: `scatter` of fabrication and
     the model's error; number of `draws`; `muscles`: draws of a calibrated muscle, on the first axis
     of its numbers, or `None`; `share` of the draws that must meet the task and all limits [-];
-    `basis` of the model's error, in words.
+    `basis` of the model's error: "given", of the "fit", or "assumed".
     """
 
     scatter: DesignScatter = USUAL_SCATTER
     draws: int = USUAL_DRAWS
     muscles: Muscle | None = None
     share: float = USUAL_SHARE
-    basis: str = "assumed, as the muscle isn't calibrated"
+    basis: Literal["given", "fit", "assumed"] = "assumed"
 
 
 @dataclass(frozen=True, eq=False)

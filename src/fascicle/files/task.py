@@ -288,8 +288,9 @@ def _uncertainty(
     errors = [error for error in errors if isinstance(error, float) and 0 <= error < 1]
     # a catalog's products have other sizes than what was measured
     if design.catalog is None and len(errors) == len(design.muscle):
-        usual["model_error"], basis = max(errors), "error of the fit"
-    basis = "given" if "model_error" in deviations else basis
+        usual["model_error"], basis = max(errors), "fit"
+    if "model_error" in deviations:
+        basis = "given"
     name, calibrated, muscles = design.muscle[0], section.calibrated, None
     path = folder / name
     obstacles = {

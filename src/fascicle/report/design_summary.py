@@ -24,6 +24,11 @@ MISSED = "MISSED"
 _DIMENSIONS = {"m": "length", "N": "force", "J": "energy"}  # by an objective's unit
 _REMEDY_DIMENSIONS = {"supply_pressure": "pressure", "braid_angle": "angle"}  # else a length
 _LITER = 1e-3  # m³
+_BASES = {
+    "given": "given",
+    "fit": "error of the fit",
+    "assumed": "assumed, as the muscle isn't calibrated",
+}
 _LARGE = 2.0  # share from which a factor reads better than percent
 _ROBUSTNESS = {
     "weaker": "muscles 10 % weaker",
@@ -100,7 +105,7 @@ def assumptions(uncertainty: Uncertainty) -> str:
     return (
         f"length {percent(scatter.length)}, wall {percent(scatter.wall_thickness)}, braid angle"
         f" {np.degrees(scatter.braid_angle):.3g}°, all forces {percent(scatter.model_error)}"
-        f" ({uncertainty.basis}){covariance if uncertainty.muscles is not None else ''}"
+        f" ({_BASES[uncertainty.basis]}){covariance if uncertainty.muscles is not None else ''}"
     )
 
 
