@@ -14,6 +14,7 @@ in `joint_table`.
 
 import os
 from collections.abc import Callable, Sequence
+from decimal import ROUND_CEILING, Context
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -32,7 +33,7 @@ from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_choice, check_interval
 from ..io.atomic import write_text
 from ..muscle import Muscle
-from ..muscle.table import MuscleTable, force_error_by_strain, volume_errors
+from ..muscle.table import MuscleTable, volume_errors
 from .c_files import (
     c_array,
     check_c_name,
@@ -301,19 +302,21 @@ def _error_text(tables: BundleTables, muscles: Sequence[Muscle]) -> str:
     volume = 1e6 * np.max(volumes, axis=0)
     text = (
         "Error of the table for one muscle, measured between its nodes and at its kinks:\n"
-        f"force {force[0]:.1g} N (median), {force[1]:.1g} N (99th percentile), {force[2]:.2g} N"
+        f"force {force[0]:.1g} N (median), {force[1]:.1g} N (99th percentile), {_up(force[2])} N"
         f" (largest);\nvolume {volume[0]:.1g} mL (median), {volume[1]:.1g} mL (99th percentile),"
-        f" {volume[2]:.2g} mL (largest)."
+        f" {_up(volume[2])} mL (largest)."
     )
-    largest, joint = _bundle_error(tables, muscles), tables.target
+    # muscles at one strain may err the same way, whatever their pressures
+    largest = np.dot(tables.counts, [tables.surfaces[kind].errors[2] for kind in tables.kinds])
+    joint = tables.target
     if np.sum(tables.counts) > 1:
-        text += f"\nAll muscles together: force {largest:.2g} N (largest)."
+        text += f"\nAll muscles together: force {_up(largest)} N (the sum of the largest)."
     if isinstance(joint, Joint):
         median, most, stiffness = stiffness_errors(tables, joint, muscles)
         text += (
-            f"\nThe joint: torque {joint.moment_arm * largest:.2g} N m (largest); stiffness, valves"
-            f" open, {median:.1g} N m/rad (median),\n{most:.1g} N m/rad (99th percentile),"
-            f" {stiffness:.2g} N m/rad (largest)."
+            f"\nThe joint: torque {_up(joint.moment_arm * largest)} N m (the sum of the largest);"
+            f" stiffness, valves open,\n{median:.1g} N m/rad (median), {most:.1g} N m/rad (99th"
+            f" percentile), {_up(stiffness)} N m/rad (largest)."
         )
     if tables.precision == "float":
         text += f"\nIts rounding adds up to {max(map(_rounding_error, tables.surfaces)):.1g} N"
@@ -325,17 +328,9 @@ def _error_text(tables: BundleTables, muscles: Sequence[Muscle]) -> str:
     return text
 
 
-def _bundle_error(tables: BundleTables, muscles: Sequence[Muscle]) -> float:
-    """Largest error of the bundle's force [N]: at one strain of the plates the largest errors of
-    all its muscles, whatever their pressures, add up.
-    """
-    columns = tables.surfaces[0].coefficients.shape[1]
-    strains = tables.unit_strains(np.linspace(*tables.strains, 4 * columns + 1))
-    errors = np.zeros(strains.shape[1])
-    for kind, count, unit_strain in zip(tables.kinds, tables.counts, strains, strict=True):
-        law = muscles[kind].law
-        errors += count * force_error_by_strain(tables.surfaces[kind], law, unit_strain)
-    return float(np.max(errors))
+def _up(value: float) -> str:
+    """Two digits of an error, rounded up."""
+    return f"{float(Context(prec=2, rounding=ROUND_CEILING).create_decimal(float(value))):g}"
 
 
 def _rounding_error(surface: MuscleTable) -> float:

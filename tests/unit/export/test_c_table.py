@@ -156,8 +156,13 @@ def test_the_header_states_the_error_of_the_table(make_muscle):
     assert error.max() < 1.1 * largest
 
 
-def test_the_header_states_the_error_of_the_bundle(make_muscle):
-    bundle = fs.example("kim2021_bundle_1_4")
+@pytest.mark.parametrize("name", ["kim2021_bundle_1_4", "thick"])
+def test_the_header_states_the_error_of_the_bundle(name):
+    if name == "thick":  # its force is steepest beside the end that stretches the braid straight
+        muscle = fs.Muscle(0.3, 20e-3, 2e-3, math.radians(25), "latex")
+        bundle = fs.Bundle([fs.MotorUnit(muscle), fs.MotorUnit(muscle, 4)], 400e3)
+    else:
+        bundle = fs.example(name)
     header, _ = table_code(bundle, "knee")
     largest = float(re.search(r"All muscles together: force ([\d.e+-]+) N", header)[1])
     table = bundle.motor_units[0].muscle.table(bundle.supply_pressure, shape=(65, 81))

@@ -254,3 +254,15 @@ def test_the_docs_example_compiles_and_prints_what_they_show(make_bundle, compil
         result.stdout.splitlines(), solution.state, solution.pressures, strict=True
     ):
         assert f"{P[0] / 1e3:3.0f} kPa, {P[1] / 1e3:3.0f} kPa, state {state}," in line
+
+
+def test_the_docs_loop_in_python_gives_what_recruit_does(compile_c, tmp_path, monkeypatch):
+    text = (Path(__file__).parents[3] / "docs" / "how-to" / "control-loop.md").read_text("utf-8")
+    compile_c(write_table(fs.example("kim2021_figure_6"), tmp_path)[1])  # skips without gcc
+    monkeypatch.chdir(tmp_path)
+    names: dict = {}
+    exec(re.search(r"```python\n(.*?)```", text, re.DOTALL)[1], names)  # noqa: S102 our own docs
+    bundle = names["bundle"]
+    error = stated_errors(bundle)[1]
+    assert names["status"] == REACHED
+    assert abs(bundle.force(list(names["pressures"]), 0.1) - 150.0) <= error
