@@ -9,6 +9,7 @@ factors of all units; the table has those that fascicle writes itself, since pin
 second to start.
 """
 
+import datetime as dt
 import functools
 import math
 import re
@@ -377,5 +378,8 @@ def _too_many(text: str, name: str) -> ValueError:
 
 def _quote(value: Any) -> str:
     """Text of a value, shortened to 60 characters."""
-    text = repr(value)
+    if isinstance(value, list):
+        text = f"[{', '.join(map(_quote, value))}]"
+    else:  # dates as TOML has them
+        text = str(value) if isinstance(value, dt.date | dt.time) else repr(value)
     return text if len(text) <= 60 else f"{text[:40]}…{text[-1]}"

@@ -98,3 +98,14 @@ def test_a_page_is_written_once(fascicle, refused, tmp_path):
     assert "<h1>kim2021_figure_6</h1>" in text and 'value="100, 200"' in text
     assert "arm.html" in refused("export kim2021_figure_6 --page arm.html")
     assert fascicle("export", "kim2021_figure_6", "--page", "arm.html", "--overwrite")[0] == 0
+
+
+def test_a_table_that_cannot_be_written_leaves_no_folder(refused, tmp_path, monkeypatch):
+    def fail(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("fascicle.io.atomic._flush", fail)
+    refused("export kim2021_figure_6 --table code")
+    (tmp_path / "code").mkdir()
+    (tmp_path / "code" / "mine.txt").write_text("mine")
+    refused("export kim2021_figure_6 --table code")

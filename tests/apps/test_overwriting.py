@@ -66,10 +66,9 @@ def test_a_folder_of_results_is_kept(fascicle, refused, tmp_path, command):
 
 @pytest.mark.parametrize(
     "command",
-    ["design none.toml -o f", f"calibrate none.csv -m {SIX} -o f", f"force {SIX} -o f.zarr"],
+    ["design none.toml -o f", f"calibrate none.csv -m {SIX} -o f"],
 )
 def test_a_file_in_the_place_of_a_folder_is_refused_before_the_work(refused, tmp_path, command):
-    pytest.importorskip("zarr", reason="needs the extra `sweep`")
     name = command.split()[-1]
     (tmp_path / name).write_text("measured")
     assert f"--out {name}: " in refused(f"{command} --overwrite")

@@ -48,7 +48,7 @@ LINES = [
     ("design s.toml", "s.toml: load: a scenario, not a task: `fascicle simulate`"),
     # outputs
     (f"force {SIX} --out no/x.nc", "--out no/x.nc: can't be written: no such folder"),
-    (f"force {SIX} --out x.xls", ".nc, .zarr, .csv, .json"),
+    (f"force {SIX} --out x.xls", ".nc, .csv, .json"),
     ("reproduce kim2021 --out d.csv", "--out d.csv: can't be written"),
     (f"export {SIX}", "give --table"),
     (f"export {SIX} --table code --name class", "keyword or a standard header of C"),
@@ -111,7 +111,7 @@ def test_a_file_that_is_not_regular_is_not_read(fascicle, tmp_path, line):
 
 
 WRITTEN = [
-    f"force {SIX} --out {{}}.csv", f"force {SIX} --out {{}}.zarr",
+    f"force {SIX} --out {{}}.csv",
     f"force {SIX} --plot {{}}.png", "simulate lift_gas --report {}.html", f"record {SIX} -o {{}}",
     f"calibrate d.csv -m {SIX} -o {{}}", "design t.toml -o {}", "init {}",
     "reproduce kim2021 -o {}", "sweep t.toml --workers 0 -o {}",

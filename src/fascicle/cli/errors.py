@@ -56,7 +56,7 @@ def exit_code_and_message(error: Exception) -> tuple[int, str]:
     if isinstance(error, BrokenPipeError):
         return 1, ""
     if isinstance(error, OSError):  # commands turn all others into UserError
-        return 2, f"standard output: can't be written: {error.strerror or error}."
+        return 1, f"standard output: can't be written: {error.strerror or error}."
     missing = error if isinstance(error, MissingExtraError) else missing_extra(error)
     if message := str(missing or "") or _usage_message(error) or _resource_message(error):
         return 2, message
@@ -81,10 +81,14 @@ def _usage_message(error: Exception) -> str:
 
 
 def _resource_message(error: Exception) -> str:
-    """Message if memory, matplotlib's or JAX's device is missing; empty for any other error."""
+    """Message if memory, matplotlib's or JAX's device is missing, or the environment's date is
+    wrong; empty for any other error.
+    """
     text, platforms = str(error), os.environ.get("JAX_PLATFORMS", "")
     if (figures := os.environ.get("MPLBACKEND", "")) and f"{figures!r} is not a valid" in text:
         return f"MPLBACKEND={figures}: matplotlib has no such backend; unset it, or write agg."
+    if (epoch := os.environ.get("SOURCE_DATE_EPOCH", "")) and f"{epoch!r}" in text:
+        return f"SOURCE_DATE_EPOCH={epoch}: must be whole seconds since 1970; unset or correct it."
     # JAX's words on a platform that it doesn't find, or none
     if platforms and ("backend" in text or (isinstance(error, AssertionError) and not text)):
         return f"JAX_PLATFORMS={platforms}: JAX finds no such device; unset it, or write cpu."

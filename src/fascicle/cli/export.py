@@ -104,14 +104,14 @@ def export(
         with status("computing the table"), user_errors():
             tables = exports.tabulate(tabulated, precision)
             texts = tables.code(name)
-            Path(table).mkdir(parents=True, exist_ok=True)
-        # both are drafts until both are complete
-        with (
-            replace_output("--table", code[0], overwrite) as header,
-            replace_output("--table", code[1], overwrite) as source,
-        ):
-            for draft, text in zip((header, source), texts, strict=True):
-                draft.write_text(text, encoding="utf-8", newline="\n")
+
+        def fill(draft: Path) -> None:
+            for path, text in zip(code, texts, strict=True):
+                atomic.check_overwrite(path, overwrite)  # again: it may have appeared
+                (draft / path.name).write_text(text, encoding="utf-8", newline="\n")
+
+        with user_errors("--table "):
+            atomic.write_folder(table, fill, overwrite=True)  # other files of the folder stay
         print_line(f"wrote {code[0]} and {code[1]}")
         print_line(tables.errors)
     if fmu is not None:

@@ -32,12 +32,10 @@ def check_file(
 
 
 @contextlib.contextmanager
-def replace_output(
-    option: str, path: str | Path, overwrite: bool, is_own: Callable[[Path], bool] | None = None
-) -> Iterator[Path]:
+def replace_output(option: str, path: str | Path, overwrite: bool) -> Iterator[Path]:
     """As `open_replacement`, with errors that name the `option`."""
     prefix = f"{option} ".lstrip()
-    with user_errors(prefix), atomic.open_replacement(path, overwrite, is_own) as draft:
+    with user_errors(prefix), atomic.open_replacement(path, overwrite) as draft:
         yield draft
 
 
@@ -128,8 +126,7 @@ class Outputs:
         with print_if_lost(show), status("writing the result") as update:
             if self.out is not None:
                 attributes = {"notes": notes} if notes else {}
-                is_own = labelled.is_zarr if Path(self.out).suffix.lower() == ".zarr" else None
-                with replace_output("--out", self.out, self.overwrite, is_own) as draft:
+                with replace_output("--out", self.out, self.overwrite) as draft:
                     labelled.write(variables, draft, title=title, source=SOURCE, **attributes)
             if self.plot is not None and figure is not None:
                 update("drawing the picture")

@@ -20,15 +20,11 @@ _ABANDONED = 24 * 3600.0  # s after the last change to a draft: no writer pauses
 _BROWSER_FILES = {"Thumbs.db", "desktop.ini"}  # that file browsers add, as hidden files
 
 
-def write(
-    path: str | os.PathLike[str],
-    fill: Callable[[Path], object],
-    is_own: Callable[[Path], bool] | None = None,
-) -> None:
+def write(path: str | os.PathLike[str], fill: Callable[[Path], object]) -> None:
     """Let `fill` write a draft and move it to `path` when it is complete; an existing file is
-    replaced. `is_own` and errors as of `open_replacement`.
+    replaced. Raises as `open_replacement`.
     """
-    with open_replacement(path, is_own=is_own) as draft:
+    with open_replacement(path) as draft:
         fill(draft)
 
 
@@ -38,27 +34,19 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 @contextlib.contextmanager
-def open_replacement(
-    path: str | os.PathLike[str],
-    overwrite: bool = True,
-    is_own: Callable[[Path], bool] | None = None,
-) -> Iterator[Path]:
+def open_replacement(path: str | os.PathLike[str], overwrite: bool = True) -> Iterator[Path]:
     """Context of the path of a draft, to be written as a file; at the end it becomes `path`.
 
-    `is_own`: for a draft that is written as a folder: true for the entries that belong to a former
-    result, which the new one replaces; all others of an existing folder stay. Raises `OSError`, one
-    line, if the draft can't be written, and `FileExistsError` if `path` exists by the end, unless
-    it may be overwritten.
+    Raises `OSError`, one line, if the draft can't be written, and `FileExistsError` if `path`
+    exists by the end, unless it may be overwritten.
     """
-    target = draft = check_writable(path, folder=is_own is not None)
+    target = draft = check_writable(path)
     try:
         with open_draft(target) as draft:
             yield draft
             _flush(draft)
             if not overwrite:
                 _move_to_free_name(draft, target)
-            elif target.is_dir() and is_own is not None:
-                _replace_folder(draft, target, is_own)
             else:
                 if target.is_file():
                     shutil.copymode(target, draft)
@@ -168,27 +156,6 @@ def _move_to_free_name(draft: Path, target: Path) -> None:
     except OSError:
         check_overwrite(target)
         draft.replace(target)  # a file system without links
-
-
-def _replace_folder(draft: Path, target: Path, is_own: Callable[[Path], bool]) -> None:
-    """Replace the entries of the folder `target` that are a former result's by those of `draft`."""
-    former = draft.parent / "former"
-    target.rename(former)
-    draft.rename(target)
-    _keep_others(former, target, is_own)
-
-
-def _keep_others(former: Path, target: Path, is_own: Callable[[Path], bool]) -> None:
-    """Move the entries of `former` that aren't a result's own to `target`, and those in folders of
-    its own entries to folders of their names.
-    """
-    for entry in former.iterdir():
-        if is_own(entry):
-            if entry.is_dir() and any(map(is_own, entry.iterdir())):
-                _keep_others(entry, target / entry.name, is_own)
-        elif not (target / entry.name).exists():
-            target.mkdir(exist_ok=True)
-            entry.rename(target / entry.name)
 
 
 def _flush(path: Path) -> None:

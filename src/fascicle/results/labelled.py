@@ -1,8 +1,7 @@
-"""Results as labelled arrays: files as netCDF, zarr, CSV or JSON; the last two need only NumPy."""
+"""Results as labelled arrays: files as netCDF, CSV or JSON; the last two need only NumPy."""
 
 import csv
 import errno
-import importlib.util
 import io
 import json
 import os
@@ -19,8 +18,7 @@ from ..io.atomic import write as write_whole
 if TYPE_CHECKING:
     import xarray
 
-SUFFIXES = (".nc", ".zarr", ".csv", ".json")  # of results, by which the format is chosen
-_ZARR_FILES = ("zarr.json", ".zgroup", ".zarray", ".zattrs")  # of zarr's formats 3 and 2
+SUFFIXES = (".nc", ".csv", ".json")  # of results, by which the format is chosen
 
 
 class Variable(NamedTuple):
@@ -46,7 +44,7 @@ def dataset(variables: Mapping[str, Variable], **attributes: str) -> "xarray.Dat
             "source": variable.source or attributes.get("source", ""),
         }
         values = np.asarray(variable.values)
-        # text of any length: the only kind that zarr's format specifies
+        # text of any length
         values = values.astype(object) if values.dtype.kind == "U" else values
         group = coordinates if variable.dims == (name,) else data
         group[name] = (variable.dims, values, labels)
@@ -102,17 +100,16 @@ def write(
 ) -> None:
     """Write variables, completely or not at all, in the format of the file's suffix.
 
-    `path` ends in `.nc`, `.zarr`, `.csv` or `.json`; an existing file is replaced. `attributes`: as
+    `path` ends in `.nc`, `.csv` or `.json`; an existing file is replaced. `attributes`: as
     for `dataset`. Raises `ValueError` for another suffix, `OSError` if it can't be written.
     """
     suffix = check_result_path(path).suffix.lower()
     fill: Mapping[str, Callable[[Path], object]] = {
         ".nc": lambda draft: write_netcdf(dataset(variables, **attributes), draft),
-        ".zarr": lambda draft: dataset(variables, **attributes).to_zarr(draft, consolidated=False),
         ".csv": lambda draft: draft.write_text(to_csv(variables), encoding="utf-8"),
         ".json": lambda draft: draft.write_text(to_json(variables) + "\n", encoding="utf-8"),
     }
-    write_whole(path, fill[suffix], is_zarr if suffix == ".zarr" else None)
+    write_whole(path, fill[suffix])
 
 
 class Table(dict[str, Variable]):
@@ -155,24 +152,7 @@ def write_netcdf(data: "xarray.Dataset", path: Path) -> None:
 def check_result_path(path: str | os.PathLike[str]) -> Path:
     """Refuse a path that no result can be written to, before the work begins; errors as `write`."""
     name = os.fspath(path)
-    suffix = Path(name).suffix.lower()
-    if suffix not in SUFFIXES:
+    if Path(name).suffix.lower() not in SUFFIXES:
         raise ValueError(f"{name!r}: a result's name must end in {', '.join(SUFFIXES)}.")
-    if suffix == ".zarr":
-        if importlib.util.find_spec("zarr") is None:
-            install = "pip install 'fascicle[sweep]'"
-            raise ValueError(f"{name!r}: .zarr needs the package zarr: {install}.")
-        if Path(name).is_dir() and not is_zarr(Path(name)):
-            raise ValueError(f"{name!r}: is a folder, but no zarr store; it isn't replaced.")
-    check_writable(path, folder=suffix == ".zarr")
+    check_writable(path)
     return Path(name)
-
-
-def is_zarr(path: Path) -> bool:
-    """True for the folder of a zarr group or array, for a file that describes one, and for the
-    chunks of an array in a group.
-    """
-    arrays = [folder for folder in (path.parent, path.parent.parent) if path.name == "c"]
-    if arrays and all((folder / _ZARR_FILES[0]).exists() for folder in arrays):
-        return True
-    return path.name in _ZARR_FILES or any((path / file).exists() for file in _ZARR_FILES)

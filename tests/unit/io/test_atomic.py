@@ -27,17 +27,6 @@ def names(folder):
     return sorted(entry.name for entry in folder.iterdir())
 
 
-def write_store(path, **texts):
-    """A folder with a file `own-…` for each text."""
-
-    def fill(draft):
-        draft.mkdir()
-        for name, text in texts.items():
-            (draft / f"own-{name}").write_text(text)
-
-    atomic.write(path, fill, is_own=lambda entry: entry.name.startswith("own-"))
-
-
 def test_a_killed_writer_changes_nothing_and_its_draft_is_removed(tmp_path):
     (tmp_path / "x.csv").write_text("old")
     done = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "x.csv")], timeout=120)
@@ -51,22 +40,10 @@ def test_a_killed_writer_changes_nothing_and_its_draft_is_removed(tmp_path):
     assert names(tmp_path) == ["x.csv", "y.csv", "z.csv"]
 
 
-def test_a_folder_is_replaced_but_for_what_is_not_its_own(tmp_path):
-    store = tmp_path / "x.zarr"
-    write_store(store, a="old", b="old")
-    (store / "thesis.txt").write_text("mine")
-    for name in ("more", "own-v", "own-v/own-x", "own-v/mine"):
-        (store / name).mkdir()
-    write_store(store, a="new", c="new")
-    assert names(store) == ["more", "own-a", "own-c", "own-v", "thesis.txt"]
-    assert names(store / "own-v") == ["mine"]  # a folder of its own, but for its own part
-    assert (store / "own-a").read_text() == "new" and names(tmp_path) == ["x.zarr"]
-
-
 @pytest.mark.parametrize("other", ["file", "folder"])
-@pytest.mark.parametrize("ours", ["file", "folder", "files"])
+@pytest.mark.parametrize("ours", ["file", "files"])
 def test_a_target_that_appears_meanwhile_stays(tmp_path, other, ours):
-    target = tmp_path / "x.zarr"
+    target = tmp_path / "x.nc"
     mine = target if other == "file" else target / "thesis.txt"
 
     def fill(draft):
@@ -83,14 +60,13 @@ def test_a_target_that_appears_meanwhile_stays(tmp_path, other, ours):
         if ours == "files":
             atomic.write_folder(target, fill)
             return
-        is_own = None if ours == "file" else lambda _: True
-        with atomic.open_replacement(target, overwrite=False, is_own=is_own) as draft:
+        with atomic.open_replacement(target, overwrite=False) as draft:
             fill(draft)
 
     with pytest.raises(FileExistsError) as raised:
         write()
     assert "already" in str(raised.value) and ".draft" not in str(raised.value)
-    assert mine.read_text() == "mine" and names(tmp_path) == ["x.zarr"]
+    assert mine.read_text() == "mine" and names(tmp_path) == ["x.nc"]
 
 
 @pytest.mark.parametrize("linked", [False, True])
