@@ -28,26 +28,16 @@ from .remarks import equilibria_text, remarks_html, words_html
 from .solid import Scene
 from .state import SIZES, Session, Unit, View, changed, check_units, check_value, scaled_muscle
 from .tab import Export, LatestResult, StrainTab
+from .texts import TEXTS
 
 
+_TEXTS = TEXTS["bundle"]
 _FIELDS = ("muscle", "units", "supply", "scheme", "resistance", "display_units", "distance")
 # room for header, readouts and buttons
 _SCENE_HEIGHT = "var(--scene-height, clamp(240px, min(100vh - 540px, 90vw), 900px))"
 # both figures are on the screen: of the force, and of the free strain below it
 _FORCE_HEIGHT = "var(--figure-height, clamp(300px, min(46vh, 100vw), 800px))"
 _FREE_STRAIN_HEIGHT = "var(--figure-height, clamp(200px, 26vh, 400px))"
-_COMPLIANT = " With compliant ends the fluid depends on the load, too: it isn't counted."
-_NO_LOAD = "Enter a load, or click in the figure."
-_EXPLANATION = (
-    "Unit 1 is at P1, unit 2 is being filled, later units are vented. At first unit 2 may resist"
-    " more than when it was empty: the bundle's free strain falls, and rises only past the reversal"
-    " point (triangle)."
-)
-_NO_CURVE = "Raise P1: the curve is that of a bundle whose unit 1 is pressurized."
-_NO_PATH = (
-    "With free recruitment, many pressures of the motor units give one force and contraction, so"
-    " that no path is isobaric: choose the path isotonic."
-)
 
 
 class UnitInputs(NamedTuple):
@@ -71,7 +61,6 @@ class UnitRows:
         self.panel, self.message = ui.column(kind="pairs"), ui.Message()
 
     def show(self, view: View) -> None:
-        """Show the units of a `view`."""
         if len(self.rows) != len(view.units):
             self.rows = self.rows[: len(view.units)]
             self.rows += [self._make_row(i) for i in range(len(self.rows), len(view.units))]
@@ -85,7 +74,6 @@ class UnitRows:
         self.show_pressures(view)
 
     def show_pressures(self, view: View) -> None:
-        """Show the pressures of a `view`."""
         for inputs, pressure in zip(self.rows, view.pressures, strict=True):
             inputs.pressure.show(pressure, view.display_units["pressure"], view.supply)
 
@@ -128,7 +116,6 @@ class UnitRows:
         self._session.change(units=units)
 
     def _set_number(self, change: int) -> None:
-        """Add a unit, or remove the last."""
         view, number = self._session.view, len(self._session.view.units) + change
         units, pressures = (*view.units, Unit())[:number], (*view.pressures, 0.0)[:number]
         with self.message.errors():
@@ -161,7 +148,7 @@ class FreeStrainChart:
         if self.panel.visible and first:
             self._curves.request(lambda: bundle_curves.second_unit_curve(view.bundle, first))
         else:
-            self._message.object = ui.status_line(_NO_CURVE)
+            self._message.object = ui.status_line(_TEXTS["no_curve"])
 
     def show_point(self, view: View, free_strain: float) -> None:
         """Mark the `free_strain` [-] at the pressures of a `view`, where it is on the curve."""
@@ -198,7 +185,7 @@ class FreeStrainChart:
         highest = float(curve.pressure[-1]) / scale
         self.chart.set_ranges((0.0, highest), padded_range(strains, 0.18, 0.004))
         self.chart.figure.xaxis[0].axis_label = f"Pressure of unit 2 P2 [{unit}]"
-        self._message.object = ui.status_line(f"{_EXPLANATION} {text}")
+        self._message.object = ui.status_line(f"{_TEXTS['reversal']} {text}")
         self.chart.describe(f"Free strain of the bundle over the pressure of unit 2. {text}")
 
 
@@ -225,7 +212,7 @@ class EfficiencyMaps:
         if not self.toggle.value:
             return
         if SCHEMES[view.scheme].independent and view.path == "isobaric":
-            self._fail(_NO_PATH)
+            self._fail(_TEXTS["no_path"])
             return
         self._content.loading = True
         self._maps.request(lambda: _efficiency_pictures(view.bundle, view.path))
@@ -342,7 +329,7 @@ class BundleView(StrainTab):
         chart = self.chart = Chart(self.colors, "Contraction ε [–]", "Force F [N]", _FORCE_HEIGHT)
         chart.add_zero_line()
         self._regions = chart.add("states", "regions")
-        self._levels, self._overlap = chart.add("levels"), chart.add("overlap")
+        self._overlap = chart.add("overlap")
         self._unit_forces, self._force = chart.add("unit_forces"), chart.add("bundle_force")
         self._hover = chart.add_force_hover()
         self._equilibria = chart.add("equilibria")
@@ -354,18 +341,10 @@ class BundleView(StrainTab):
         view, space, overlap = self.session.view, result.workspace, result.overlap
         unit, scale = self.unit("force")
         self.top = max(0.1, float(np.ceil(result.top * 50) / 50))
-        forces = np.where(space.force >= 0, space.force / scale, np.nan)
-        (count, levels, _), outlines = forces.shape, map(space.outline, range(1, len(forces) + 1))
-        colors = unit_colors(self.colors, count)
-        labels = [f"recruitment state {i + 1}" for i in range(count)]
-        self._regions.data = _outline_columns(outlines, scale) | {"color": colors, "label": labels}
-        self._levels.data = {
-            "xs": [space.strain] * (count * levels),
-            "ys": list(forces.reshape(count * levels, -1)),
-            "color": np.repeat(colors, levels).tolist(),
-            # thicker with rising pressure
-            "width": np.tile(0.5 + 1.2 * np.arange(levels) / levels, count).tolist(),
-        }
+        outlines, number = map(space.outline, range(1, len(space.force) + 1)), len(space.force)
+        labels = [f"recruitment state {i + 1}" for i in range(number)]
+        style = {"color": unit_colors(self.colors, number), "label": labels}
+        self._regions.data = _outline_columns(outlines, scale) | style
         outlines = (overlap.outline(i) for i in range(len(overlap.states)))
         self._overlap.data = _outline_columns(outlines, scale)
         self._highest = float(space.high.max())
@@ -443,7 +422,7 @@ class BundleView(StrainTab):
             self._target.data = {"x": [], "y": []}
             middle = 0.5 * self.top, self._middle_force  # for keyboards, too
             example = ui.button("Try a point", lambda: self._set_demand(*middle))
-            self._solutions.objects = [ui.pane(ui.status_line(_NO_LOAD)), example]
+            self._solutions.objects = [ui.pane(ui.status_line(_TEXTS["no_load"])), example]
             return
         self._target.data = {"x": [strain], "y": [load / scale]}
         self._recruitments.request(
@@ -483,7 +462,7 @@ class BundleView(StrainTab):
             rows[0] = [f"<b>{cell}</b>" for cell in rows[0]]
         path = "constant pressure" if self.session.view.path == "isobaric" else "constant load"
         note = f"Fluid is counted from rest length on, efficiency η at {path}."
-        note += _COMPLIANT * any(np.isnan(row.fluid) for row in recruitments)
+        note += _TEXTS["compliant"] * any(np.isnan(row.fluid) for row in recruitments)
         table = ui.pane(
             f'<div class="scroll">{ui.html_table(heads, rows)}{ui.status_line(note)}</div>'
         )

@@ -109,7 +109,6 @@ class Chart:
             grid.grid_line_color = colors.line
 
     def _style(self, name: str) -> dict[str, Any]:
-        """Style with a `name`, in the page's colors."""
         return {
             key: getattr(self.colors, entry[1:]) if str(entry).startswith("@") else entry
             for key, entry in _STYLES[name].items()
@@ -120,7 +119,6 @@ class Chart:
         self.figure.html_attributes = {"role": "figure", "aria-label": text}
 
     def new_pane(self) -> pn.pane.Bokeh:
-        """A new pane of the figure."""
         style = {"css_classes": ["figure"], "stylesheets": [LAYOUT_CSS]}
         return pn.pane.Bokeh(self.figure, margin=0, **style)
 

@@ -24,6 +24,7 @@ from .muscle_curves import POINTS, alternative_laws, law_label, strain_limit, wi
 from .remarks import validity_warnings
 from .state import Pin, Session, Unit, View, changed, check_value, shipped_muscle
 from .tab import Export, StrainTab
+from .texts import TEXTS
 
 
 _CURRENT, _OWN_LAWS = "the current one", "as the muscle has them"
@@ -32,11 +33,6 @@ _ANGLE_STEP = 0.9  # ratio of braid angles of the example: 33 to 29.7 degrees
 MOST_PINS = 6  # more colors and dashes can't be told apart
 LONGEST_NAME = 40  # characters: a line of a phone
 _ROUNDING = 1e-6  # N or -: a smaller reference is zero but for rounding, and has no percentage
-_EMPTY = (
-    "<h2>Compare curves</h2><p>Pin the force of a muscle at a pressure, change the muscle, a law or"
-    " the pressure, and pin it again: the curves lie over one another here, and a table shows their"
-    " differences. <i>Pin this curve</i> is in the tab Muscle, too.</p>"
-)
 
 
 class PinCurve(NamedTuple):
@@ -118,23 +114,6 @@ def pin_muscle(session: Session, name: str, muscle: Muscle, pressure: float) -> 
     return pins[-1].name
 
 
-class PinButton:
-    """Button that pins the current muscle's curve at its pressure; `result` is a line about it."""
-
-    def __init__(self, session: Session):
-        self._session, self._message = session, ui.Message()
-        self._status = ui.pane(margin=(0, 8), css_classes=["live"])
-        pin = ui.button("Pin this curve", self._pin, margin=(8, 8, 2, 8))
-        self.panel = ui.column(pin, kind="aside", sizing_mode=None)
-        self.result = ui.column(self._status, self._message.pane)
-
-    def _pin(self) -> None:
-        view, self._status.object = self._session.view, ""
-        with self._message.errors():
-            name = html.escape(pin_muscle(self._session, view.name, view.muscle, view.pressure))
-            self._status.object = f'<p class="small">Pinned in Compare as “{name}”.</p>'
-
-
 class PinForm:
     """Inputs of a curve to pin: the current or a shipped muscle, a law, and a pressure."""
 
@@ -199,7 +178,7 @@ class CompareView(StrainTab):
         shown = (self.strain.panel, chart.new_pane(), self._table)
         self._comparison = ui.column(self.notes, *shown)
         example = ui.button("Try two braid angles", self.pin_example)
-        self._empty = ui.column(ui.pane(_EMPTY), example, kind="framed")
+        self._empty = ui.column(ui.pane(TEXTS["compare"]["empty"]), example, kind="framed")
         title = ui.pane(ui.heading("Pin another curve"))
         inputs = (title, *self._form.widgets, self._rows, self.message.pane)
         main = ui.column(self._empty, self._comparison)
@@ -207,7 +186,6 @@ class CompareView(StrainTab):
 
     @property
     def _colors(self) -> list[str]:
-        """Colors of curves, in their order."""
         return other_colors(self.colors, len(DASHES))
 
     def draw(self, view: View) -> None:
@@ -280,7 +258,6 @@ class CompareView(StrainTab):
         self._table.object = f'<div class="compared">{table}</div><p class="small note">{note}</p>'
 
     def _sample(self, index: int) -> str:
-        """Line of a curve as an image in HTML."""
         dashes = " ".join(map(str, _dash(index)))
         return (
             '<svg width="34" height="10" aria-hidden="true"><line x1="0" x2="34" y1="5" y2="5"'
@@ -288,7 +265,6 @@ class CompareView(StrainTab):
         )
 
     def _make_row(self, index: int, pin: Pin) -> pn.Row:
-        """Name of a pinned curve, and a button to remove it."""
         label, rename = f"Name of curve {index + 1}", partial(self._rename, index)
         name = ui.widget(pn.widgets.TextInput, label, rename, value=pin.name)
         label, remove = f"Remove {index + 1}", partial(self._remove, index)

@@ -16,7 +16,7 @@ from ..core.validation import HIGHEST_PRESSURE
 from ..files.calibration_files import calibrated_files
 from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain
-from ..plot.theme import APART, Colors
+from ..plot.theme import Colors
 from ..records import loads
 from ..records.headers import MissingMetadataError
 from ..records.record import Record
@@ -29,6 +29,7 @@ from . import widgets as ui
 from .chart import Chart, padded_range, pressure_colors, screen_height
 from .state import Session, View, view_of
 from .tab import WAITING, Export, LatestResult, Progress, Tab, output_stem
+from .texts import TEXTS
 
 
 LARGEST_FILE = 5_000_000  # bytes: a record of the most rows
@@ -44,30 +45,12 @@ _SIDE, _GAP = 0.015, 0.06  # of a range: room around the readings and the labels
 _MARGIN = 220  # pixels of the screen beside the figure
 _EXAMPLE = "example.csv"
 RECORD_SUFFIXES = ".csv,.txt,.tsv,.dat,.lvm,.xlsx,.mat"
-_REST_SHARE = 0.04  # of the strains drawn, where the labels of curves stand
 _MOST_LABELS = 8  # more would collide
 _MOST_NOTES = 12  # of a record
 _ROLES = ("pressure", "force", "strain", "displacement", "length")  # of columns that have fields
 _BY_NAME = "constants of your choice"
 # as measured with 300 and 5000 readings on two cores
 _DURATIONS = {AUTOMATIC: "20 to 40 s", TUNING: "10 s", _BY_NAME: "a few seconds"}
-_UNDETERMINED = (
-    "Here a prior is a value that you enter: measure the size, enter it in the tab Muscle, and fit"
-    f" {_BY_NAME} without it. fascicle calibrate takes its deviation, too."
-)
-_TEXT = (
-    "<h2>Your own muscle, as it was measured</h2><p>Open a dynamometer's CSV, .xlsx or .mat:"
-    " pressure, force, and strain, length or displacement, with units in its header. Its readings"
-    " appear here beside this muscle's curves; then the muscle is tuned to them, with an interval"
-    f" for each constant. At most {MOST_ROWS} rows; they stay in this session's memory. No"
-    " record at hand? There is a synthetic one of this muscle, a little thicker and steeper than"
-    " drawn.</p>"
-)
-# a form to fill in: nobody's readings
-_FORM = """<p class="small">Such a file begins with</p><pre>pressure [kPa],strain [-],force [N]
-100,0.00,…
-100,0.02,…
-200,0.00,…</pre>"""
 
 
 class ModelCurves(NamedTuple):
@@ -237,7 +220,8 @@ class DataView(Tab):
         fit = (self.kind, self.constants, self.calibrate, self.cancel, self.progress.bar)
         results = (self.status, self.table, self.use, ui.row(*self.saves, kind=""), self.fit_notes)
         left = ui.side_column(*inputs, *fit, *results, self.notes, width=420)
-        self.empty_state = _empty_state(self._example)
+        text = TEXTS["data"]["empty"].format(rows=MOST_ROWS) + TEXTS["data"]["form"]
+        self.empty_state = ui.column(ui.pane(text), self._example, kind="framed", margin=8)
         self._figure = ui.column(self.chart.new_pane(), visible=False)
         self.panel = ui.row(left, ui.column(self.empty_state, self._figure, kind="equal"))
 
@@ -302,8 +286,7 @@ class DataView(Tab):
                 "muscle": reading(np.asarray(force), "N"),
             }
         )
-        inputs = [self.file_name, *self.session.input_names]
-        stem = output_stem(self.file_name, "comparison", inputs)
+        stem = output_stem(self.file_name, "comparison")
         return Export(stem, variables, lambda: draw_fit(measured_with_curves(record, drawn, label)))
 
     def _add_chart(self) -> None:
@@ -317,14 +300,12 @@ class DataView(Tab):
         _, self._tuned = chart.style_legend()
 
     def open_example(self) -> None:
-        """Open the synthetic record of the session's muscle."""
         self.file.clear()  # the example replaces it
         self.open_record(example_record(self.session.view.muscle), _EXAMPLE)
 
     def open_record(self, raw: bytes, name: str) -> None:
         """Open a file; the earlier record is dropped, even if the file can't be read."""
         self._raw, self.file_name = raw, name
-        self.session.input_names.add(name)
         self._set_record(None)
         self.notes.object = ""
         self._read()
@@ -390,13 +371,10 @@ class DataView(Tab):
             ys = [] if curves is None else list(curves.force / scale)
             source.data = {"xs": [before.strain] * len(ys), "ys": ys, "color": colors[: len(ys)]}
         labeled = np.unique(np.linspace(0, number - 1, min(number, _MOST_LABELS)).astype(int))
-        # above the readings, too, which lie at rest
-        is_near_rest = strain < before.strain[0] + _REST_SHARE * np.ptp(before.strain)
-        tops = [max([before.force[i, 0], *force[is_near_rest & (nearest == i)]]) for i in labeled]
         unit, pressure_scale = self.unit("pressure")
         self._labels.data = {
             "x": [float(before.strain[0])] * len(labeled),
-            "y": np.array(tops) / scale,
+            "y": before.force[labeled, 0] / scale,
             "label": [f"{before.pressure[i] / pressure_scale:.3g} {unit}" for i in labeled],
         }
         text = f"Curves of {number} of {before.total} pressures are drawn."
@@ -411,7 +389,6 @@ class DataView(Tab):
         self.chart.set_ranges(padded_range(before.strain, _SIDE), padded_range(forces, _GAP))
 
     def start_fit(self) -> None:
-        """Fit the muscle to the record."""
         record, muscle = self.record, self.session.view.muscle
         names = (self.kind.value,) if self.kind.value != _BY_NAME else tuple(self.constants.value)
         if record is None:
@@ -471,7 +448,7 @@ class DataView(Tab):
         lines, _ = words.verdict_lines(calibration, fit.selection)
         lines = [*lines, *words.selection_reasons(fit.selection)]
         if not all(parameter.identifiable for parameter in calibration.parameters):
-            lines.append(_UNDETERMINED)
+            lines.append(TEXTS["data"]["undetermined"])
         doubts = (
             f"<b>{topic.capitalize()}</b>{ui.status_line('<br>'.join(map(ui.text_html, texts)))}"
             for topic, texts in words.warnings_by_topic(calibration).items()
@@ -482,21 +459,12 @@ class DataView(Tab):
         self.draw(self.session.view)
 
     def _as_file(self, kind: str) -> tuple[str, bytes]:
-        """Name and bytes of a file of the fit, its report or its tuned muscle."""
         assert self.fit is not None  # else the button is disabled
         text, suffix = (self.fit.report, "html") if kind == "report" else (self.fit.toml, "toml")
-        stem = output_stem(self.file_name, kind, self.session.input_names)
+        stem = output_stem(self.file_name, kind)
         return f"{stem}.{suffix}", text.encode()
 
     def _use_tuned_muscle(self) -> None:
         assert self.fit is not None  # else the button is disabled
         muscle = self.fit.selection.calibration.muscle
         self.session.open(view_of(muscle, "tuned muscle", self.session.view))
-
-
-def _empty_state(example: pn.widgets.Button) -> pn.Row:
-    """Framed panel in place of the figure; `example` is the button of an example record."""
-    text = ui.wide_pane(_TEXT, margin=(0, APART, APART, APART))
-    left = ui.column(text, example, styles={"flex": "3 1 0", "min-width": "0"})
-    right = ui.wide_pane(_FORM, margin=0, styles={"flex": "2 1 0", "min-width": "0"})
-    return ui.row(left, right, kind="stacked framed", margin=APART)

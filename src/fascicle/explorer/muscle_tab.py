@@ -1,5 +1,6 @@
 """Tab of one muscle: its inputs, its force over strain with its parts, and the muscle itself."""
 
+import html
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -18,7 +19,7 @@ from ..results import tables
 from ..units import pretty
 from . import widgets as ui
 from .chart import Chart, hover_tooltips, other_colors, pressure_colors, screen_height
-from .compare_tab import PinButton
+from .compare_tab import pin_muscle
 from .muscle_curves import (
     PARTS,
     POINTS,
@@ -65,7 +66,6 @@ class MuscleInputs:
         )
 
     def show(self, view: View) -> None:
-        """Show the muscle of a `view`."""
         muscle = view.muscle
         for name, (_, dimension) in ui.SIZES.items():
             unit = ui.field_unit(dimension, view.display_units)
@@ -163,7 +163,7 @@ class MuscleView(StrainTab):
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
-        self._label_height = 0.0
+        self._label_height, self._error = 0.0, ui.Message()
         names = "Pressure P", "pressure", "pressure"
         self._pressure = ui.QuantitySlider(*names, lambda value: session.change(pressure=value))
         self._add_chart()
@@ -174,10 +174,12 @@ class MuscleView(StrainTab):
         curves = ui.column(self.chart.new_pane(), kind="equal")
         numbers = ui.column(self._numbers, kind="aside")
         scene = ui.column(*self._scene.panes(), numbers, kind="equal picture")
-        pin = PinButton(session)
-        sliders = (self._pressure.panel, self.strain.panel, pin.panel)
+        pin = ui.button("Pin this curve", self._pin, margin=(8, 8, 2, 8))
+        aside = ui.column(pin, kind="aside", sizing_mode=None)
+        self._pinned = ui.pane(css_classes=["live"])
+        sliders = (self._pressure.panel, self.strain.panel, aside)
         top = ui.row(*sliders, kind="stacked pinned")
-        main = ui.column(self.notes, top, pin.result, ui.row(curves, scene))
+        main = ui.column(self.notes, top, self._pinned, self._error.pane, ui.row(curves, scene))
         self.panel = ui.row(ui.side_column(*inputs, width=284), main)
 
     def draw(self, view: View) -> None:
@@ -202,6 +204,12 @@ class MuscleView(StrainTab):
         arguments = view.muscle, [view.pressure], strain
         variables = tables.muscle_force(*arguments)
         return Export(self.stem("force"), variables, lambda: plot.force_strain(*arguments))
+
+    def _pin(self) -> None:
+        view, self._pinned.object = self.session.view, ""
+        with self._error.errors():
+            name = html.escape(pin_muscle(self.session, view.name, view.muscle, view.pressure))
+            self._pinned.object = f'<p class="small">Pinned in Compare as “{name}”.</p>'
 
     def _compute_curves(self, view: View) -> MuscleCurves:
         strain = min(view.strain, self.top)

@@ -25,19 +25,15 @@ from .muscle_tab import MuscleView
 from .state import CHANGED, CONTENT_FIELDS, DISPLAY_UNITS, TABS, Session, View, changed, view_of
 from .story import Story
 from .tab import Tab, output_stem, session_document
+from .texts import TEXTS
 from .time_tab import TimeView
 
 
 LARGEST_MUSCLE_FILE = 100_000  # bytes: a hundred tuned muscles
 _QUIET = 400  # ms without a change until the address follows: browsers limit its changes
 _CUSTOM = "(own)"
-_PURPOSE = "Forces of fluidic artificial muscles, and where they buckle and collapse"
 _SCRIPT, _FRAME = (
     Path(__file__).with_name(name).read_text(encoding="utf-8") for name in ("page.js", "frame.html")
-)
-_LOST = (
-    "The connection to fascicle is lost: this page no longer updates. Run `fascicle explore` again"
-    " and reload the page; its address holds the view."
 )
 _VIEWS: Mapping[str, type[Tab]] = {
     view.name: view for view in (MuscleView, BundleView, CompareView, DataView, TimeView)
@@ -109,7 +105,7 @@ class Header:
         name = html.escape(sanitize_line(view.name, 60), quote=True)
         self._title.object = (
             f'<div class="title"><h1 style="font-size:{TITLE}px">fascicle</h1>'
-            f"<span>{_PURPOSE}</span><b>{name}</b></div>"
+            f"<span>{TEXTS['page']['purpose']}</span><b>{name}</b></div>"
         )
         self._example.value = view.name if view.name in named_muscles() else _CUSTOM
         for kind, select in self._units.items():
@@ -130,27 +126,22 @@ class Header:
                 self._page.open_record(raw, name)
                 return
             target = loads(ui.decode_upload(raw, name, LARGEST_MUSCLE_FILE), source=name)
-            self._session.input_names.add(name)
             self._session.open(view_of(target, name, self._session.view))
 
     def _set_unit(self, kind: str, unit: str) -> None:
         self._session.change(display_units={**self._session.view.display_units, kind: unit})
 
-    def _stem(self, kind: str) -> str:
-        name = self._session.view.name.removesuffix(CHANGED)
-        return output_stem(name, kind, self._session.input_names)
-
     def _file(self) -> tuple[str, bytes]:
         view = self._session.view
         kind = "changed" if view.name.endswith(CHANGED) else "copy"
-        return f"{self._stem(kind)}.toml", view.text.encode()
+        return f"{output_stem(view.name.removesuffix(CHANGED), kind)}.toml", view.text.encode()
 
     def _web_page(self) -> tuple[str, bytes]:
         from ..export import page_text  # with it comes JAX
 
         view = self._session.view
         text = page_text(view.muscle if view.tab == "muscle" else view.bundle, view.name)
-        return f"{self._stem('page')}.html", text.encode()
+        return f"{output_stem(view.name.removesuffix(CHANGED), 'page')}.html", text.encode()
 
     def _tab_file(self, suffix: str) -> tuple[str, bytes]:
         export = self._page.open_view.export()
@@ -207,11 +198,9 @@ class Page:
 
     @property
     def open_view(self) -> Tab:
-        """Content of the tab that is open."""
         return self._views[self.session.view.tab]
 
     def open_record(self, raw: bytes, name: str) -> None:
-        """Open a record's file in the tab Data."""
         self.session.change(tab="data")
         view = self.open_view
         assert isinstance(view, DataView)
@@ -239,7 +228,7 @@ def prepare_document(doc: Any, active: str, follow_preference: bool) -> None:
     """
     doc.template = _FRAME
     doc.template_variables.update(
-        purpose=_PURPOSE,
+        purpose=TEXTS["page"]["purpose"],
         tabs=TABS,
         active=active,
         title_size=TITLE,
@@ -248,7 +237,7 @@ def prepare_document(doc: Any, active: str, follow_preference: bool) -> None:
         dist_url=get_dist_path(),
     )
     doc.js_on_event("document_ready", CustomJS(args={"largest": LARGEST_FILE}, code=_SCRIPT))
-    for event, text in (("connection_lost", _LOST), ("client_reconnected", "")):
+    for event, text in (("connection_lost", TEXTS["page"]["lost"]), ("client_reconnected", "")):
         notice = CustomJS(args={"text": text}, code="fascicleNotice('lost', text);")
         doc.js_on_event(event, notice)
 

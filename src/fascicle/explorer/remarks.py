@@ -15,41 +15,13 @@ from ..muscle.validation import (
 )
 from .muscle_curves import is_tuned
 from .state import CHANGED, View
+from .texts import TEXTS
 from .widgets import status_line, text_html
-
-
-_FACTORS = {
-    "youngs_modulus": "Young's modulus",
-    "collapse_moment": "collapse moment",
-    "hinge_stiffness": "hinge stiffness",
-}
-_UNMEASURED_SIZE = (
-    "The tuning was measured on a muscle of another size and is used unchanged: how well it holds"
-    " at this size was not measured."
-)
-
-_WORDS = {
-    "mesh": "force of the braid: pressure pulls its fibers, and with them the ends, together",
-    "bladder": "force of the stretched rubber tube inside the braid",
-    "bending": "force of the bent tube, once the muscle buckles",
-    "blocked force": "force at rest length, at a contraction of zero",
-    "free strain": "contraction at which the force is zero: an unloaded muscle stops there",
-    "buckling": "past its free strain a muscle bows out, as a slender column does, and pushes back",
-    "collapse": "a bowed muscle folds at a hinge in its middle, and its push falls",
-    "motor unit": "muscles that share one pressure",
-    "recruitment state": "number of the motor unit that is throttled; in orderly recruitment those"
-    " before it are at supply pressure, those after it empty",
-    "overlap": "points that two recruitment states reach",
-    "resistance": "push of muscles past their own free strain against the others",
-    "efficiency": "work on the load over energy of the fluid",
-    "isobaric": "the muscles contract at constant pressure",
-    "isotonic": "the muscles contract at constant force",
-}
 
 
 def words_html(*words: str) -> str:
     """Explanations of `words`, folded until a visitor opens them."""
-    return glossary_html("Explain the words", {word: _WORDS[word] for word in words})
+    return glossary_html("Explain the words", {word: TEXTS["words"][word] for word in words})
 
 
 def glossary_html(title: str, meanings: Mapping[str, str]) -> str:
@@ -67,7 +39,7 @@ def remarks_html(view: View, tab: str) -> str:
     scaled = tab == "bundle" and any(unit.size != 1 for unit in view.units)
     edited = tab == "muscle" and view.name.endswith(CHANGED)
     if (scaled or edited) and is_tuned(view.muscle):
-        lines.append(_UNMEASURED_SIZE)
+        lines.append(TEXTS["remarks"]["unmeasured_size"])
     warnings = [f'<p class="warning">{text_html(x)}</p>' for x in validity_warnings(view, tab)]
     return "".join(warnings) + status_line(" ".join(lines))
 
@@ -94,18 +66,7 @@ def validity_warnings(view: View, tab: str) -> list[str]:
 
 def tuning_note(muscle: Muscle) -> str:
     """Sentence on the tuning of a `muscle`; empty where it has none."""
-    if not is_tuned(muscle):
-        return ""
-    factors = {
-        label: float(getattr(muscle.tuning, f"{name}_factor")) for name, label in _FACTORS.items()
-    }
-    changes = [f"{label} × {factor:.4g}" for label, factor in factors.items() if factor != 1]
-    if (rows := muscle.tuning.pressures.shape[-1]) > 1:
-        changes.append(f"C₁ and C₂ in {rows} rows")
-    return (
-        f"This muscle is tuned{': ' * bool(changes)}{', '.join(changes)}. To see the curve without"
-        " it, choose untuned among the laws in Compare."
-    )
+    return TEXTS["remarks"]["tuned"] if is_tuned(muscle) else ""
 
 
 def equilibria_text(strain: np.ndarray, stable: np.ndarray) -> str:

@@ -16,16 +16,11 @@ from ..files import dumps, example, example_text, named_muscles, scenarios
 from ..files.muscle_files import from_dict, parse_file
 from ..muscle import Muscle
 from ..units import exact, parse
+from .texts import TEXTS
 
 
 # what each of `control.POLICIES`, which takes the simulator to import, does
-POLICIES = {
-    "orderly": "fills the next motor unit when the recruited ones no longer suffice",
-    "batch": "as threshold, with all recruited units at one pressure",
-    "threshold": "as orderly, but lets a unit go only when the demand has fallen by a band: valves"
-    " don't chatter",
-    "hand_over": "fills the next unit early, while the others can still make up for its resistance",
-}
+POLICIES = TEXTS["policies"]
 DEFAULT = "raise_1_4"
 LARGEST_FILE = 100_000  # bytes: a hundred times the shipped ones
 # value that stands for the load, by its kind: key, label and dimension

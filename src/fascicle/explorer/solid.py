@@ -161,7 +161,6 @@ class Scene:
         self._kinds: tuple[object, ...] = ()
 
     def panes(self) -> tuple[pn.pane.Bokeh, pn.pane.Bokeh]:
-        """The figure, and the slider that turns it."""
         slider = pn.pane.Bokeh(self._slider, margin=0, sizing_mode="stretch_width")
         return self._chart.new_pane(), slider
 

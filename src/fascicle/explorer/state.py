@@ -94,7 +94,6 @@ class View:
 
     @property
     def bundle(self) -> Bundle:
-        """Bundle of all motor units."""
         units = [MotorUnit(self.muscle_of(unit), unit.count) for unit in self.units]
         return Bundle(units, self.supply, self.scheme, self.distance)
 
@@ -197,7 +196,6 @@ class Session(param.Parameterized):
     ):
         super().__init__(view=view)
         self.opened = opened or view
-        self.input_names: set[str] = set()  # of files that were read: no output may have one
         self._batch = batch
         self._past: list[View] = []
         self._future: list[View] = []  # views that were undone
@@ -241,7 +239,6 @@ class Session(param.Parameterized):
         self._step(self._past, self._future)
 
     def redo(self) -> None:
-        """Show the view before the last `undo`."""
         self._step(self._future, self._past)
 
     def reset(self) -> None:

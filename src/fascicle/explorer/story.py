@@ -14,19 +14,14 @@ from .bundle_curves import second_unit_reversal
 from .muscle_curves import REGIONS, strain_limit
 from .state import Session, Unit, View
 from .tab import LatestResult, session_document
+from .texts import TEXTS
 from .widgets import button, column, format_quantity, row, text_html, wide_pane
 
 
 TITLES = ("It pulls", "It buckles", "It folds", "Feeding a second unit shortens the reach")
-_OFFER = "See in four steps why a buckled muscle resists"
-_PROMISE = "Move the sliders as you like. Your own inputs come back at the end."
-_WHY = (
-    "Slack, the tubes of unit 2 are folded and push a little. A little pressure stiffens them"
-    " before it shortens them, so that they push harder; only more pressure lets them pull along."
-)
 # that scenes set
 _FIELDS = ("tab", "name", "muscle", "supply", "units", "pressures", "pressure", "strain")
-_TENSION, _BUCKLED, _COLLAPSED, _STRAIGHT = range(len(REGIONS))
+_TEXTS = TEXTS["story"]
 _SHARE = 1 / 3  # of the supply, in the muscle's scenes: all three regions are well in the figure
 _SECOND_PRESSURE = 60e3  # Pa, of the second unit, where no pressure shortens the reach
 _ROUND_PRESSURE = 1e3  # Pa: the next whole kPa past the turn, where the reach is short
@@ -56,7 +51,7 @@ class Story:
         self._running.jscallback(visible=_FOCUS)
         self.panel = column(self._running, kind="story")
         if offer:
-            start = self.start_button(_OFFER, color="primary")
+            start = self.start_button(_TEXTS["offer"], color="primary")
             dismiss = button("No, thanks", None)
             dismiss.js_on_click(code="fascicleDismiss()")
             self.panel.insert(0, row(start, dismiss, kind="offer"))
@@ -69,7 +64,6 @@ class Story:
         return start
 
     def start(self) -> None:
-        """Show the first scene."""
         if not self.scene:
             self._before, self._opened = self._session.view, self._session.opened
             self._changes = self._session.changes[0]
@@ -132,7 +126,7 @@ class Story:
     def _show_text(self, result: tuple[int, str]) -> None:
         scene, text = result
         title = f"{scene} of {len(TITLES)}: {TITLES[scene - 1]}"
-        more = {1: _PROMISE, len(TITLES): _WHY}.get(scene, "")
+        more = {1: _TEXTS["promise"], len(TITLES): _TEXTS["why"]}.get(scene, "")
         note = f' <span class="soft">{more}</span>' if more else ""
         self._text.object = f"<h2>{title}</h2><p>{text}{note}</p>"
 
@@ -163,6 +157,8 @@ def scene_text(view: View, scene: int) -> str:
     """Sentences of a `scene`, counted from 1, on a `view`, with its numbers."""
 
     def text(value: float, dimension: str) -> str:
+        if dimension == "strain":
+            return f"{value:#.3g}"
         digits = 4 if dimension == "pressure" else 3
         return format_quantity(value, view.display_units[dimension], dimension, digits)
 
@@ -171,67 +167,40 @@ def scene_text(view: View, scene: int) -> str:
 
 def _muscle_text(view: View, text: Callable[[float, str], str]) -> str:
     muscle, pressure, strain = view.muscle, view.pressure, view.strain
-    response = muscle.response(pressure, strain)
-    force, region = float(response.force), int(response.region)
-    free, collapse = float(muscle.free_strain(pressure)), float(muscle.collapse_strain(pressure))
-    if region == _TENSION:
-        blocked = float(muscle.blocked_force(pressure))
-        return (
-            f"At {text(pressure, 'pressure')} and contraction {strain:#.3g} the muscle is straight"
-            f" and pulls with {text(force, 'force')}. At rest length it pulls with"
-            f" {text(blocked, 'force')}. Without a load it shortens to its free strain,"
-            f" {free:#.3g}, where the force is zero."
-        )
-    if region == _BUCKLED:
-        bow = float(muscle.deflection(pressure, strain))
-        return (
-            f"Contracted past its free strain, {free:#.3g}, to {strain:#.3g}, the muscle bows out"
-            f" by {text(bow, 'length')}, as a slender column does. Its rubber is bent, and bent"
-            " rubber stores energy: every bit of shortening costs a push, here"
-            f" {text(-force, 'force')}. A model that ends at the free strain has no such force."
-        )
-    if region == _COLLAPSED:
-        onset = -float(muscle.force(pressure, collapse))
-        change = "falls" if -force < onset else "rises"
-        return (
-            f"At contraction {collapse:#.3g} the wall can't carry more bending: it folds at a hinge"
-            f" in the middle. From there to {strain:#.3g} the push {change} from"
-            f" {text(onset, 'force')} to {text(-force, 'force')}."
-        )
-    return (
-        f"At contraction {strain:#.3g} the muscle is {REGIONS[region]}, past its free strain of"
-        f" {free:#.3g}: it pushes with {text(-force, 'force')}."
+    response, collapse = muscle.response(pressure, strain), float(muscle.collapse_strain(pressure))
+    force, onset = float(response.force), -float(muscle.force(pressure, min(collapse, strain)))
+    return _TEXTS[REGIONS[int(response.region)]].format(
+        pressure=text(pressure, "pressure"),
+        strain=text(strain, "strain"),
+        force=text(force, "force"),
+        push=text(-force, "force"),
+        free=text(float(muscle.free_strain(pressure)), "strain"),
+        collapse=text(collapse, "strain"),
+        blocked=text(float(muscle.blocked_force(pressure)), "force"),
+        bow=text(float(muscle.deflection(pressure, strain)), "length"),
+        onset=text(onset, "force"),
+        change="falls" if -force < onset else "rises",
     )
 
 
 def _reversal_text(view: View, text: Callable[[float, str], str]) -> str:
     bundle = view.bundle
     if len(view.units) < 2 or view.pressures[0] <= 0:
-        return "Add a second unit and raise P1: unit 1 shortens the bundle, unit 2 follows."
+        return _TEXTS["one unit"]
     first, second = view.pressures[:2]
     states = (first, 0.0, *view.pressures[2:]), view.pressures
     before, reach = (float(bundle.free_strain(P, view.resistance)) for P in states)
-    lines = [
-        f"With {text(first, 'pressure')} in unit 1, and unit 2 vented, the bundle reaches"
-        f" contraction {before:#.3g}."
-    ]
     push = -float(bundle.unit_forces(view.pressures, reach, view.resistance)[1])
-    if reach < before and push > 0:
-        lines.append(
-            f"With {text(second, 'pressure')} in unit 2 it reaches only {reach:#.3g}: its muscles"
-            f" are contracted past their own free strain and push with {text(push, 'force')}."
-            " Pressure keeps their walls from folding, so that they push harder at first; more of"
-            " it makes them pull."
-        )
-    else:
-        lines.append(f"With {text(second, 'pressure')} in unit 2 it reaches {reach:#.3g}.")
-    if any(view.pressures[2:]):  # the turn is that of two units
-        return " ".join(lines)
     turn = second_unit_reversal(bundle, first, view.resistance)
-    if turn.depth > 0:
-        lines.append(
-            f"The reach is shortest, {turn.free_strain:#.3g}, at {text(turn.pressure, 'pressure')}."
-        )
-    else:
-        lines.append("No pressure in unit 2 shortens the reach of this bundle.")
-    return " ".join(lines)
+    names = ["vented", "resists" if reach < before and push > 0 else "reaches"]
+    if not any(view.pressures[2:]):  # the turn is that of two units
+        names.append("turn" if turn.depth > 0 else "no turn")
+    return " ".join(_TEXTS[name] for name in names).format(
+        first=text(first, "pressure"),
+        second=text(second, "pressure"),
+        before=text(before, "strain"),
+        reach=text(reach, "strain"),
+        push=text(push, "force"),
+        least=text(turn.free_strain, "strain"),
+        turn=text(turn.pressure, "pressure"),
+    )

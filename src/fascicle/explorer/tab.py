@@ -9,7 +9,7 @@ import re
 import signal
 import traceback
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import lru_cache
@@ -50,17 +50,13 @@ class Export(NamedTuple):
         return to_bytes(self.figure(), suffix)
 
 
-def output_stem(name: str, kind: str, input_names: Iterable[str] = ()) -> str:
-    """Name of an output without its suffix, never that of a file that was read."""
+def output_stem(name: str, kind: str) -> str:
+    """Name of an output of some `kind`, without its suffix, after the `name` of its input."""
     # the name is a visitor's: nothing in it may leave a folder
     base = Path(name.replace("\\", "/")).name
     base = re.sub(r"\.(toml|csv|txt|tsv)$", "", base, flags=re.IGNORECASE)
     stem = re.sub(r"[^\w.-]+", "_", base).strip(".-") or "file"
-    stem += f"_{kind}"
-    stems = {Path(input_name).stem.lower() for input_name in input_names}
-    while stem.lower() in stems:
-        stem += f"_{kind}"
-    return stem
+    return f"{stem}_{kind}"
 
 
 class Tab:
@@ -79,7 +75,6 @@ class Tab:
         session.watch(lambda _, after: self.refresh() if after.tab == self.name else None)
 
     def is_open(self) -> bool:
-        """True while the page shows this tab."""
         return self.session.view.tab == self.name
 
     def refresh(self) -> None:
@@ -92,7 +87,6 @@ class Tab:
             self.follow(before, view)
 
     def draw(self, view: View) -> None:
-        """Draw all that the tab shows of a `view`."""
         raise NotImplementedError
 
     def follow(self, before: View, after: View) -> None:
@@ -109,7 +103,7 @@ class Tab:
 
     def stem(self, kind: str) -> str:
         """Name of a file of some `kind` from this tab, without its suffix."""
-        return output_stem(self.session.view.name, kind, self.session.input_names)
+        return output_stem(self.session.view.name, kind)
 
     def fail(self, error: ValueError | str) -> None:
         """Show the error of a computation, and end its status."""
@@ -129,7 +123,6 @@ class StrainTab(Tab):
         )
 
     def show_strain(self, view: View) -> None:
-        """Show the contraction of a `view`."""
         self.strain.show(min(view.strain, self.top), "", self.top)
 
     def set_strain(self, strain: float, _: float = 0.0) -> None:
@@ -156,11 +149,9 @@ class Progress:
         self.bar, self._status = wide_pane(html, visible=False), status
 
     def start(self, text: str) -> None:
-        """Show the bar and a `text`."""
         self.bar.visible, self._status.object = True, status_line(text)
 
     def stop(self) -> None:
-        """Hide bar and text."""
         self.bar.visible, self._status.object = False, ""
 
 
@@ -190,7 +181,6 @@ class LatestResult:
             self._start(doc, compute)
 
     def drop(self) -> None:
-        """Drop the result of the running computation."""
         self._latest = None
 
     def _start(self, doc: Document, compute: Callable[[], object]) -> None:

@@ -33,8 +33,10 @@ from .scenario_setup import (
 )
 from .state import Session, View, view_of
 from .tab import WAITING, Export, LatestResult, Progress, Tab, output_stem, run_job
+from .texts import TEXTS
 
 
+_TEXTS = TEXTS["time"]
 _OWN = "(your file)"
 _SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4")
 # name of each chart's source, and its height in pixels, from top to bottom
@@ -57,22 +59,6 @@ _TABLE_CSS = (  # five columns on a phone
     ".scroll { overflow-x: auto; } table { font-size: 12.5px; } th, td { padding-right: 9px; }"
 )
 _PLAY = (Path(__file__).with_name("time_page.js")).read_text(encoding="utf-8")
-_EMPTY = (
-    "<h2>A bundle in time</h2><p>Choose a scenario and press <b>Run</b>. The simulator computes"
-    " valves, pressures and the load of your bundle, as <code>fascicle simulate</code> does; then"
-    " you play the run here. The first run takes longer: the simulator is compiled.</p>"
-)
-_LEGEND = (  # of the drawing
-    "Filled: the muscle pulls. Pale: it has buckled. Hatched: it has collapsed. ▼ the valve is open"
-    " to the supply, ▲ to the room, – shut."
-)
-_DEMAND_LEGEND = " Red line: where the load should be."
-_DRAWDOWN = "Drawdown: how far force or position falls back while its demand does not."
-_DIP = (
-    " D: how far the force falls while a motor unit fills and the others hold their pressures."
-    " Drawdown/D is 0 for a smooth hand-over, and 1 where nothing made up for the fall."
-)
-_NO_POLICY = "Valves follow a schedule: there is no policy to choose."
 
 
 class Curve(NamedTuple):
@@ -108,7 +94,6 @@ class ScenarioInputs:
         self.panel = ui.side_column(*inputs, self.save, width=300)
 
     def show(self, view: View) -> None:
-        """Show the setup of a `view`."""
         setup, has_control = view.setup, view.setup.has_control
         self.scenario.value = _listed_name(setup)
         name = setup.name if setup.own else page_scenarios()[setup.name]
@@ -116,7 +101,7 @@ class ScenarioInputs:
         self._show_fields(view)
         self.policies.param.update(visible=has_control, value=list(setup.policies))
         title = ui.heading("Policies to compare (default: the scenario's)")
-        self._policy_title.object = title if has_control else ui.status_line(_NO_POLICY)
+        self._policy_title.object = title if has_control else ui.status_line(_TEXTS["no_policy"])
         self._words.visible = has_control
 
     def _show_fields(self, view: View) -> None:
@@ -159,7 +144,6 @@ class ScenarioInputs:
                 self._session,
             )
             view = view_of(bundle_of(setup), name, session.view)
-            session.input_names.add(name)
             session.open(replace(view, setup=setup))
 
     def _scenario_file(self) -> tuple[str, bytes]:
@@ -168,7 +152,7 @@ class ScenarioInputs:
         policies = view.setup.policies
         drawn = str(self._tab.drawn.value or "").split(" ")[0]
         policy = drawn if drawn in policies else policies[0] if len(policies) == 1 else ""
-        stem = output_stem(view.setup.name, "changed", self._session.input_names)
+        stem = output_stem(view.setup.name, "changed")
         return f"{stem}.toml", view.setup.text(policy, view.bundle).encode()
 
 
@@ -265,7 +249,7 @@ class TimeView(Tab):
         charts = ui.column(*panes, kind="equal", styles={"flex": "3 1 0"})
         player = (self._player.controls, self._player.readout)
         self._shown = ui.column(*player, ui.row(drawing, charts), visible=False)
-        self.empty_state = ui.column(ui.pane(_EMPTY), kind="framed", margin=8)
+        self.empty_state = ui.column(ui.pane(_TEXTS["empty"]), kind="framed", margin=8)
         top = ui.row(self.inputs.scenario, self.run, self.cancel, kind="wrapped")
         state = (self._progress.bar, self.status, self.message.pane, self.notes)
         main = ui.column(top, self.inputs.about, *state, self.empty_state, self._shown)
@@ -286,7 +270,6 @@ class TimeView(Tab):
             self._show_frames()
 
     def start_run(self) -> None:
-        """Run the scenario in a worker process."""
         view = self.session.view
         text = view.setup.text(bundle=view.bundle)
         self.message.show("")
@@ -296,7 +279,6 @@ class TimeView(Tab):
         self._runs.request(lambda: (text, run_job(time_run.run_policies, *arguments)))
 
     def cancel_run(self) -> None:
-        """Drop the result of the running job."""
         self._runs.drop()
         self._end_run()
         self.status.object = ui.status_line("Canceled.")
@@ -324,7 +306,6 @@ class TimeView(Tab):
 
     @property
     def drawn_run(self) -> time_run.PolicyResult:
-        """The run that is drawn."""
         assert self.result is not None  # else nothing is shown
         runs = {run.policy: run for run in self.result.runs}
         return runs.get(self.drawn.value, self.result.runs[0])
@@ -355,7 +336,7 @@ class TimeView(Tab):
             shown = [i for i, name in enumerate(names) if name in _COLUMNS]
             heads = [result.heads[i].removesuffix(" [-]") for i in shown]
             cells = [[html.escape(texts[i]) for i in shown] for texts in result.policy_rows]
-            measure = _DRAWDOWN + (_DIP if "drawdown/D" in names else "")
+            measure = _TEXTS["drawdown"] + (_TEXTS["dip"] if "drawdown/D" in names else "")
             note = f'<p class="small note">{measure}</p>'
             self._table.object = ui.html_table(heads, cells) + note
         self._show_frames()
@@ -383,7 +364,6 @@ class TimeView(Tab):
         return np.asarray(run.table[name].values)[run.rows]
 
     def _chart_curves(self) -> list[ChartCurves]:
-        """Curves of each chart."""
         result, run, colors = self.result, self.drawn_run, self.colors
         assert result is not None
         labels = [_run_label(item) for item in result.runs]
@@ -443,7 +423,7 @@ class TimeView(Tab):
                     numbers.append((column if column == "demand" else name.lower(), column, unit))
         kinds, left, right = zip(*drawing.boxes, strict=True)
         has_line = "demand" in kinds
-        self._drawing_legend.object = ui.status_line(_LEGEND + _DEMAND_LEGEND * has_line)
+        self._drawing_legend.object = ui.status_line(_TEXTS["legend"] + _TEXTS["demand"] * has_line)
         top = drawing.extent[3]
         fixed = {
             "muscles": drawing.muscles,
@@ -479,7 +459,7 @@ class TimeView(Tab):
             raise ValueError("Run a scenario first: there is nothing to download yet.")
         run = self.drawn_run
         kind = run.policy.split(" ")[0] or "run"
-        stem = output_stem(self.result.name, kind, self.session.input_names)
+        stem = output_stem(self.result.name, kind)
         return Export(stem, run.table, lambda: run.figure)
 
 

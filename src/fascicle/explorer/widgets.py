@@ -157,7 +157,6 @@ class Message:
 
     @property
     def text(self) -> str:
-        """HTML of the error that is shown, or empty."""
         return str(self.pane.object)
 
     def show(self, error: ValueError | str, **labels: str) -> None:
