@@ -17,9 +17,14 @@ not checked: a strain or pressure outside the domain gives a number without mean
 import os
 from collections.abc import Iterable
 
-import jax
-
+from .core.errors import missing_extra
 from .core.module import Module, modules
+
+
+try:
+    import jax
+except ModuleNotFoundError as error:
+    raise missing_extra(error) or error from None
 
 
 # XLA compiles a small loop as one function of machine code, and runs a larger one as a task for

@@ -65,6 +65,22 @@ def test_commands_for_laws_load_no_jax():
     loaded(COMMAND.format(lines=lines, without=WITHOUT))
 
 
+def test_tables_in_c_need_no_jax(tmp_path):
+    lines = [["export", name, "--table", f"{tmp_path / name}"] for name in (MUSCLE, BUNDLE)]
+    loaded(COMMAND.format(lines=lines, without=WITHOUT))
+
+
+def test_rooms_on_jax_name_the_extra_where_it_is_missing():
+    loaded(
+        "import importlib\nfrom fascicle.core.errors import MissingExtraError\n"
+        "sys.modules['jax'] = None\n"
+        "for room in ('jax', 'dynamics', 'robots'):\n"
+        "    try:\n        importlib.import_module(f'fascicle.{room}')\n"
+        "    except MissingExtraError as error:\n        assert error.name == 'jax'\n"
+        "    else:\n        raise AssertionError(room)"
+    )
+
+
 def test_help_loads_no_jax():
     without = {"jax", "jaxlib", "equinox", "numpy", "xarray", "matplotlib", "pint"}
     loaded(COMMAND.format(lines=[["--help"]], without=without))

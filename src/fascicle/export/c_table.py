@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from decimal import ROUND_CEILING, Context
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from ..bundle.energetics import unit_volume_change
 from ..bundle.force_curves import ROOT_TOLERANCE, TIE
 from ..bundle.inverse import CLOSE
 from ..bundle.states import states_of
-from ..control import Cascade, Joint
+from ..control import Joint
 from ..core.module import unique_indices
 from ..core.types import Values
 from ..core.validation import HIGHEST_PRESSURE, check_choice, check_interval
@@ -42,8 +42,11 @@ from .c_files import (
     render_template,
     table_strains,
 )
-from .controller import ROUNDED_COMMANDS, tabulate_controller, template_values
 from .joint_table import joint_values, stiffness_errors, stiffness_rounding
+
+
+if TYPE_CHECKING:
+    from ..control import Cascade
 
 
 # nodes in pressure and strain: of a computer and of a microcontroller
@@ -69,7 +72,7 @@ class BundleTables(NamedTuple):
     errors: str
     precision: str
     target: Bundle | Joint
-    controller: Cascade | None = None
+    controller: "Cascade | None" = None
 
     @property
     def strains(self) -> tuple[float, float]:
@@ -179,6 +182,8 @@ class BundleTables(NamedTuple):
             values |= _inverse_code(self.target, self.highest_supply, meets, values, number)
             values["curves"] = render_template("table_curves.c", values)
         if self.controller is not None:
+            from .controller import template_values  # needs JAX, a table doesn't
+
             values |= template_values(self.controller, values, number)
             values["controller"] = render_template("controller.h", values)
             values["controller_source"] = render_template("controller.c", values)
@@ -188,7 +193,7 @@ class BundleTables(NamedTuple):
 
 
 def table_code(
-    target: Muscle | Bundle | Joint | Cascade,
+    target: "Muscle | Bundle | Joint | Cascade",
     name: str = "muscle",
     precision: str = "double",
     highest_pressure: Values = None,
@@ -212,7 +217,7 @@ def table_code(
 
 
 def write_table(
-    target: Muscle | Bundle | Joint | Cascade,
+    target: "Muscle | Bundle | Joint | Cascade",
     folder: str | os.PathLike[str],
     name: str = "muscle",
     precision: str = "double",
@@ -232,7 +237,7 @@ def write_table(
 
 
 def tabulate(
-    target: Muscle | Bundle | Joint | Cascade,
+    target: "Muscle | Bundle | Joint | Cascade",
     precision: str = "double",
     highest_pressure: Values = None,
     shape: tuple[int, int] | None = None,
@@ -240,7 +245,9 @@ def tabulate(
     """Tables of a muscle or bundle; arguments as of `table_code`: `highest_pressure` [Pa]."""
     check_choice(precision, SHAPES, "precision")
     shape = shape or SHAPES[precision]
-    if isinstance(target, Cascade):
+    if not isinstance(target, Muscle | Bundle | Joint):  # a controller needs JAX, a table doesn't
+        from .controller import ROUNDED_COMMANDS, tabulate_controller
+
         controller = tabulate_controller(target, shape)
         plant = controller.plant
         top = np.max(plant.muscles.highest_pressure)

@@ -40,6 +40,9 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
     tables of `shape` (pressure, strain), and acting at every step. `ValueError` for a controller
     whose step can't be written as C.
     """
+    if not isinstance(controller, Cascade):
+        rule, kind = "must be a Muscle, a Bundle, a Joint or a Cascade", type(controller).__name__
+        raise InvalidInputError("target", rule, None, shown=kind)
     plant = controller.plant
     limitations = (
         (len(plant.bundles) > 1, "has two bundles", "write a controller for each of a joint's"),

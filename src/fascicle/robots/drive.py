@@ -127,9 +127,10 @@ class Drive(Module):
             rule, remedy = "must be one whose state is its mass", "take Isothermal or LiquidChamber"
             kind = type(chamber).__name__
             raise InvalidInputError("chamber", rule, chamber, remedy, shown=kind)
-        if isinstance(attached, Attached) or not attached:
-            rule = "must be a list of at least one bundle"
-            raise InvalidInputError("attached", rule, None, "write [attached]")
+        entries = attached if isinstance(attached, list | tuple) else [None]
+        if not entries or not all(isinstance(entry, Attached) for entry in entries):
+            rule, remedy = "must be a list of what `attach` returns", "write [attach(…)]"
+            raise InvalidInputError("attached", rule, None, remedy)
         bundles = [entry.bundle for entry in attached]
         if supply is None or chamber is None or valve is None:
             limit = HIGHEST_PRESSURE
@@ -163,6 +164,9 @@ class Drive(Module):
             raise InvalidInputError("attached", rule, None, remedy)
         return drive
 
+    def __repr__(self) -> str:
+        return f"<Drive of {self.units} motor units on {', '.join(self.tendons)}>"
+
     @property
     def units(self) -> int:
         """Number of motor units of all bundles."""
@@ -192,9 +196,16 @@ class Drive(Module):
 
     def _enter(self, pressures: Values, lengths: Values) -> tuple[Numbers, Numbers]:
         """Checked `pressures` [Pa], and contractions of the bundles [m] at `lengths` of tendons."""
-        plant, low = self.plant, float(np.min(self.plant.chamber.lowest_pressure))
+        plant, bundles = self.plant, len(self.actuators)
+        low = float(np.min(plant.chamber.lowest_pressure))
         P = match_array_type(pressures, self._check_pressures(pressures, "pressures", low))
         lengths = match_array_type(lengths, check_finite(lengths, "lengths", "m"))
+        for name, values, count in (("pressures", P, self.units), ("lengths", lengths, bundles)):
+            if np.ndim(values) and np.shape(values)[-1] not in {1, count}:
+                shape = f"the shape {np.shape(values)}"
+                raise InvalidInputError(
+                    name, f"must be {count} on its last axis", None, shown=shape
+                )
         x = self.series.contractions(plant, self.rest_lengths - lengths, P)
         if is_concrete(P, x):
             self._warn(table_status(plant.muscles, P, bundle_strains(plant, x)), 4)
@@ -222,6 +233,7 @@ class Drive(Module):
         """Initial fluid [SI], of MuJoCo's `model` and `data`, at `pressures` [Pa] of all units, or
         of each; `InvalidInputError` for pressures above the muscles' tables.
         """
+        check_model(model, "model", ("MjModel",))
         mujoco.mj_forward(model, data)
         P = self._check_pressures(pressures, "pressures")
         return self.fluid_at(data.actuator_length, np.broadcast_to(P, (self.units,)) + 0.0)

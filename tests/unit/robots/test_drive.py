@@ -178,7 +178,13 @@ def test_invalid_input_is_refused_in_one_line(elbow, bundle):
         ("command", lambda: drive.step(model, data, held, 2e6)),
         ("chamber", lambda: elbow(**parts, chamber=fluid.AdiabaticWall(0.5))),
         ("chamber", lambda: elbow(**parts)),
+        ("command", lambda: drive.step(model, data, held, [np.nan, 0.0])),
+        ("model", lambda: drive.start(data, model)),
+        ("pressures", lambda: drive.pull([1e5] * 3, drive.rest_lengths)),
+        ("lengths", lambda: drive.pull([1e5] * 2, [0.1] * 3)),
         ("attached", lambda: Drive.of(model, [])),
+        ("attached", lambda: Drive.of(model, bundle)),
+        ("attached", lambda: Drive.of(model, [bundle])),
         ("attached", lambda: Drive.of(arm, [made, made])),
         ("attached", lambda: arm_of(bundle, length=413.8)),
     ):
