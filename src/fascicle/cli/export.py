@@ -157,7 +157,7 @@ def _read_exported(file: str, units: str | None, page: bool) -> Any:
         return single_bundle(scenario.plant)
 
 
-def _as_joint(target: Any, joint: JointSides, is_table: bool) -> fs.Joint:
+def _as_joint(target: Any, joint: JointSides, is_table: bool) -> "fs.Joint":
     """A joint of `target` and of its antagonist; `is_table`: that its table alone is written."""
     if joint.moment_arm is None:
         raise UserError("--strain and --antagonist are of a joint: give --moment-arm, too.")
