@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core.types import AnyArray, Bool, Float
 from ..muscle import Muscle
-from ..records.record import DOWN, UNKNOWN, Record
+from ..records.record import DOWN, UNKNOWN, Record, warning
 from ..records.segmentation import runs
 from .friction import fit_friction
 from .gauges import PERFECT, ChannelFault, Gauge, channel_faults, read_vented
@@ -217,8 +217,8 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     read, left_out, ramps = len(record), {}, int(np.sum(ramp))
     if record.time is not None and 0 < ramps < len(record) / 2:
         left_out = {"on ramps between sweeps": ramps}
-        note = f"{ramps} readings of ramps between sweeps left out of the fit"
-        record, branch, at_ceiling = record.only(~ramp, note), branch[~ramp], at_ceiling[~ramp]
+        finding = warning("ramps", count=ramps)
+        record, branch, at_ceiling = record.only(~ramp, finding), branch[~ramp], at_ceiling[~ramp]
     facts: dict[str, Any] = {"read": read, "left_out": left_out, "faults": faults}
     facts |= {"at_ceiling": at_ceiling if np.any(at_ceiling) else None}
     record = replace(record, branch=branch)

@@ -5,6 +5,7 @@ import math
 import re
 import textwrap
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -207,15 +208,18 @@ def convert(
     as_json: options.Json = False,
 ) -> None:
     """Convert a record of any format to CSV, or to JSON to publish."""
+    from ..report.words import record_lines
+
     check_file("--out", out, overwrite, (".json", ".csv"))
     measured = read_record(data, reading)
-    _write_record(measured, out, overwrite)
+    lines = record_lines(measured)
+    _write_record(replace(measured, notes=tuple(lines)), out, overwrite)
     if as_json:
-        print(json.dumps({"path": out, "readings": len(measured), "notes": list(measured.notes)}))
+        print(json.dumps({"path": out, "readings": len(measured), "notes": lines}))
         return
     print_line(f"wrote {out}: {len(measured)} readings")
-    for note in measured.notes:
-        print_line(f"  {note}")
+    for line in lines:
+        print_line(f"  {line}")
 
 
 class Start(NamedTuple):
@@ -395,11 +399,12 @@ def _compare(
 def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
     """Print the verdict and the constants; with `verbose`, all tables and warnings."""
     from ..report import calibration_words as words
+    from ..report.words import record_doubts
 
     fit, choice, posterior = result.fit, result.choice, result.posterior
     first, last = words.verdict_lines(fit, choice)
     gauges = [f"{text[0].lower()}{text[1:]}" for text in words.gauge_error_texts(fit)]
-    if doubts := [*gauges, *fit.record.doubts]:
+    if doubts := [*gauges, *record_doubts(fit.record)]:
         more = f"; {len(doubts) - _DOUBTS} more in the report" if len(doubts) > _DOUBTS else ""
         last.insert(0, f"Check: {'; '.join(doubts[:_DOUBTS])}{more}.")
     if damping := words.damping_message(fit):
@@ -437,9 +442,10 @@ def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
 
 def _print_details(result: "CalibrationResult") -> None:
     from ..report import calibration_words as words
+    from ..report.words import record_lines
 
     fit, choice = result.fit, result.choice
-    for line in (*fit.record.notes, *words.fit_data_lines(fit.fit_data)):
+    for line in (*record_lines(fit.record), *words.fit_data_lines(fit.fit_data)):
         print_line(line)
     if choice is not None:
         _print_candidates(choice)

@@ -23,6 +23,7 @@ from ..records.record import Record
 from ..report import calibration_words as words
 from ..report.calibration import CalibrationResult, report
 from ..report.calibration_figures import draw_fit, figures, measured_with_curves
+from ..report.words import record_lines
 from ..results import Table, Variable
 from ..units import pretty
 from . import widgets as ui
@@ -336,7 +337,8 @@ class DataView(Tab):
         count = (
             f"{len(record)}{' synthetic' * (name == _EXAMPLE)} reading{'s' * (len(record) != 1)}"
         )
-        notes = "".join(f"<li>{ui.text_html(note)}</li>" for note in record.notes[:_MOST_NOTES])
+        lines = record_lines(record)[:_MOST_NOTES]
+        notes = "".join(f"<li>{ui.text_html(line)}</li>" for line in lines)
         self.notes.object = f'<div class="note">{count}.<ul>{notes}</ul></div>'
         with pn.io.unlocked():
             self.draw(view)
@@ -413,7 +415,9 @@ class DataView(Tab):
             progress("drawing the report")
             page = report(CalibrationResult(calibration, candidates), today, figures(calibration))
             texts = words.warning_lines(calibration)
-            files = calibrated_files(calibration, today, candidates, texts, with_log=False)
+            files = calibrated_files(
+                calibration, today, candidates, texts, notes=record_lines(record), with_log=False
+            )
             return FitResult(selection, page, files["muscle.toml"], record)
 
         self._fits.request(compute)

@@ -45,13 +45,14 @@ def calibrated_files(
     choice: "Selection | None" = None,
     warnings: Sequence[str] = (),
     reasons: Sequence[str] = (),
+    notes: Sequence[str] = (),
     with_log: bool = True,
 ) -> dict[str, str]:
     """Texts of "muscle.toml", with a summary in `[calibration]`, and of its log, "muscle.log.toml",
     by name; or of a muscle file that holds the log itself. Arguments as for `provenance_of`.
     """
     muscle, rounding = rounded_muscle(calibration)
-    table = provenance_of(calibration, date, choice, warnings, reasons)
+    table = provenance_of(calibration, date, choice, warnings, reasons, notes)
     table |= {"fitted_length": exact(float(muscle.length), "length"), "rounded": rounding}
     if not with_log:
         return {"muscle.toml": dumps(muscle, table)}
@@ -71,9 +72,11 @@ def provenance_of(
     choice: "Selection | None" = None,
     warnings: Sequence[str] = (),
     reasons: Sequence[str] = (),
+    notes: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Provenance of a fitted muscle for `save`: text, numbers and lists by key, one level of tables
-    deep. `choice`: the model selection that chose the fit; `warnings`, `reasons`: in words.
+    deep. `choice`: the model selection that chose the fit; `warnings`, `reasons`, `notes` on the
+    record: in words.
     """
     from .. import __version__
 
@@ -107,7 +110,7 @@ def provenance_of(
         "fitted_length": exact(float(calibration.muscle.length), "length"),  # not rounded
         "findings": [finding.code for finding in calibration_findings(calibration)],
         "warnings": list(warnings),
-        "notes": list(record.notes),
+        "notes": list(notes),
         "coordinate_names": list(calibration.names),
         "coordinates": calibration.coordinates.tolist(),
         "covariance": calibration.covariance.tolist(),

@@ -13,9 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding
 from ..table_model import did_you_mean
 from ..units import DIMENSIONS as UNITS
 from ..units import parse
+from .record import note
 
 
 if TYPE_CHECKING:
@@ -360,19 +362,15 @@ class Column:
     replaced_unit: str = ""
     absolute: bool = False
 
-    def note(self) -> str:
-        """Description of how the column is read."""
-        has_unit = self.role in {*POSITIONS, *USUAL_UNITS}
-        unit = f" in {self.unit or 'fractions'}" if has_unit else ""
-        role = self.role.replace("_", " ")
-        replaced = f" as given, not in {self.replaced_unit}" if self.replaced_unit else ""
-        sign = ", its sign turned" if self.sign < 0 else ""
-        absolute = ", less the atmosphere" if self.absolute else ""
-        return f"column `{self.header}` read as {role}{unit}{replaced}{sign}{absolute}"
+    def finding(self) -> Finding:
+        """How the column is read."""
+        fields = vars(self) | {"has_unit": self.role in {*POSITIONS, *USUAL_UNITS}}
+        del fields["index"], fields["factor"]
+        return note("column", **fields)
 
 
-def choose_columns(table: "Table", info: "Sidecar") -> tuple[dict[str, Column], list[str]]:
-    """Columns of a `table` to read, by role, and notes; what `info` says overrules the header.
+def choose_columns(table: "Table", info: "Sidecar") -> tuple[dict[str, Column], list[Finding]]:
+    """Columns of a `table` to read, by role, and findings; what `info` says overrules the header.
 
     Raises a `ValueError` for a column or a unit that is missing, unknown or ambiguous.
     """
@@ -403,10 +401,10 @@ def choose_columns(table: "Table", info: "Sidecar") -> tuple[dict[str, Column], 
                 raise
     used = {column.index for column in columns.values()}
     # a nameless last column is a trailing delimiter
-    unread = [f"`{h}`" for i, h in enumerate(table.header) if h and i not in used]
+    unread = [name for i, name in enumerate(table.header) if name and i not in used]
     columns = {role: column for role, column in columns.items() if role not in constants}
-    notes = [column.note() for column in columns.values()]
-    return columns, [*notes, *([f"columns not read: {', '.join(unread)}"] if unread else [])]
+    findings = [column.finding() for column in columns.values()]
+    return columns, findings + [note("unread_columns", names=unread)] * bool(unread)
 
 
 def _infer(

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from .record import COLUMNS, DOWN, UNKNOWN, UP, Record
+from .record import COLUMNS, DOWN, UNKNOWN, UP, Record, note
 from .segmentation import Run, runs
 
 
@@ -90,9 +90,9 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         widths.append(loop[1] if loop and is_wide else np.full(len(piece), np.nan))
         isometric += [level[0].kind == "strain"] * len(piece)
     columns = {name: np.concatenate([getattr(p, name) for p in pieces]) for name in COLUMNS}
-    note = f"hysteresis averaged: {loops} of {len(pieces)} levels have both branches"
+    finding = note("averaged", loops=loops, levels=len(pieces))
     columns |= {"time": None, "moment_arm": None, "file": None}
-    half_way = replace(record, **columns, notes=(*record.notes, note))
+    half_way = replace(record, **columns, findings=(*record.findings, finding))
     width, is_isometric = np.concatenate(widths), np.array(isometric)
     if np.nansum(width[is_isometric]) < 0:
         width[is_isometric] *= -1

@@ -22,7 +22,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from ..units import parse, parse_list, pretty
+from ..core.findings import Finding
+from ..units import parse, parse_list
+from .record import warning
 
 
 _LEAST_ARM = 0.1  # of the largest: below it an error of the torque counts tenfold in the force
@@ -109,14 +111,13 @@ def sampled_arms(angle: np.ndarray, arm: np.ndarray) -> ArmTable:
     return ArmTable(angles, np.bincount(entry, arm) / count)
 
 
-def usable_arms(arm: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Mask of the readings whose `arm` [m] gives a force, and a note of the others."""
+def usable_arms(arm: np.ndarray) -> tuple[np.ndarray, list[Finding]]:
+    """Mask of the readings whose `arm` [m] gives a force, and a finding on the others."""
     largest = float(np.max(np.abs(arm)))
     mask = np.abs(arm) > _LEAST_ARM * largest
-    limit = f"{100 * _LEAST_ARM:g} % of the largest, {pretty(largest, 'length')}"
-    noun = "reading" if (count := int(np.sum(~mask))) == 1 else "readings"
-    note = f"{count} {noun} left out: the moment arm is below {limit}"
-    return mask, [note] if count else []
+    count = int(np.sum(~mask))
+    found = [warning("short_arms", count=count, least=_LEAST_ARM, largest=largest)]
+    return mask, found[: count > 0]
 
 
 def _invalid_arms(rule: str, remedy: str, text: str) -> InvalidInputError:

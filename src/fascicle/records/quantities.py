@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..core.findings import Finding
 from ..core.validation import HIGHEST_PRESSURE
 from ..units import pretty
 from .headers import POSITIONS, Column, MissingMetadataError, is_gauge_unit, unit_factor, words
 from .joint import ArmTable, sampled_arms, usable_arms
-from .record import DOWN, STRAINS, UNKNOWN, UP
+from .record import DOWN, STRAINS, UNKNOWN, UP, note, warning
 from .sidecar import Sidecar
 from .tables import Table
 
@@ -73,7 +74,7 @@ class Readings:
     - `cells`: by role, and by the file's line of each row: numbers in the units of the columns,
       texts of branches and flags.
     - `info`: what options and sidecar say.
-    - `notes`, `doubts`: on what was read, and on what to check.
+    - `findings`: on what was read, and on what to check.
     - `force` [N], `pressure` [Pa], `strain` [-].
     """
 
@@ -81,8 +82,7 @@ class Readings:
     columns: dict[str, Column]
     cells: "pd.DataFrame"
     info: Sidecar
-    notes: list[str]
-    doubts: list[str]
+    findings: list[Finding]
     force: np.ndarray = field(init=False)
     pressure: np.ndarray = field(init=False)
     strain: np.ndarray = field(init=False)
@@ -125,6 +125,9 @@ class Readings:
         where = where if row is None else str(self.cell_error(row, column, ""))
         return MissingMetadataError(f"{where}{rule} give ", *choices)
 
+    def _warn(self, code: str, **data: object) -> None:
+        self.findings.append(warning(code, **data))
+
     def _at_top(self) -> tuple[np.ndarray, np.ndarray]:
         """Contraction [-] and force [N] of the readings near the highest pressure."""
         top = self.pressure > _TOP * self.pressure.max()
@@ -165,9 +168,9 @@ class Readings:
         if angle is not None and is_angle:
             self.cells["shortening"] = self._shortening(angle, arm, arms)
         if "torque" in columns:
-            usable, note = usable_arms(arm)
+            usable, short_arms = usable_arms(arm)
             self.cells = self.cells.loc[usable]
-            self.doubts += note
+            self.findings += short_arms
 
     def _shortening(self, angle: np.ndarray, arm: np.ndarray, arms: ArmTable | None) -> np.ndarray:
         """Shortening of the muscle at each `angle` [rad] from that at rest [m]."""
@@ -219,10 +222,10 @@ class Readings:
             after = ", or another reading of the transducer at zero"
             raise self._ask(column, rule, ("zeros", "pressure", text, after), row=lowest)
         if below := int(np.count_nonzero(pressure < 0)):
-            self.doubts.append(f"{below} pressures below zero, down to {low:.3g} Pa, set to 0")
+            self._warn("pressures_below_zero", count=below, lowest=float(low))
         self._check_forces(max(float(top), 0.0))
         if np.max(self.force) <= 0 < -np.min(self.force):
-            self.doubts.append('no reading pulls: if they do, signs.force is "pushing positive"')
+            self._warn("no_pull")
         self.pressure = np.maximum(pressure, 0.0)
 
     def _check_forces(self, top: float) -> None:
@@ -289,11 +292,9 @@ class Readings:
             raise self.cell_error(row, column, f"{rule}: {hint}")
         if ends[0] < _STRETCHED:
             count = int(np.count_nonzero(strain < _STRETCHED))
-            self.doubts.append(f"{count} readings stretched beyond rest, down to {ends[0]:.3g}")
+            self._warn("stretched", count=count, lowest=float(ends[0]))
         elif ends[0] > _FAR and may_be_shifted:
-            text = f"{raw[least]:.6g} {column.unit}"
-            remedy = f"if it is 0 there, give {text} as zero"
-            self.doubts.append(f"all displacements are beyond {text}: {remedy}")
+            self._warn("displaced", nearest=f"{raw[least]:.6g} {column.unit}")
 
     def _check_lengths(self, lengths: np.ndarray) -> None:
         """Refuse `lengths` [m] that are not positive."""
@@ -378,8 +379,7 @@ class Readings:
             gauge = ("units", "pressure", f"{column.unit} (g)", ", if it is gauge")
             choices = (("atmosphere", "", text, ""), gauge)
             raise self._ask(column, f"{rule} the atmosphere,", *choices)
-        remedy = "if that is the atmosphere, give it to subtract it"
-        self.doubts.append(f"the lowest pressure is {text}: {remedy}")
+        self._warn("atmosphere", lowest=low)
 
     def read_censored(self) -> np.ndarray:
         """Flags of clipped forces: of a column, and with `clipped_at_zero` of exactly 0."""
@@ -390,10 +390,9 @@ class Readings:
         censored = censored | (is_zero & bool(clipped_at_zero))
         count, zeros = int(np.count_nonzero(censored)), int(np.count_nonzero(is_zero))
         if count:
-            self.doubts.append(f"{count} of {is_zero.size} readings clipped")
+            self._warn("clipped", count=count, readings=is_zero.size)
         elif zeros > 2 and "clipped" not in self.columns and clipped_at_zero is None:
-            hint = "if the gauge can't push, they are clipped at zero"
-            self.doubts.append(f"{zeros} forces are exactly 0: {hint}")
+            self._warn("zero_forces", count=zeros)
         return censored
 
     def read_branch(self) -> np.ndarray:
@@ -425,10 +424,10 @@ class Readings:
         if units and self.columns["time"].unit == "s":
             unit = next(iter(units))
             time = (time - time[0]) * units[unit]
-            self.doubts.append(f"time is a date in {unit}, not in s")
+            self._warn("time_is_date", unit=unit)
         back = np.flatnonzero(steps < 0)
         if back.size:
-            self.doubts.append(f"time goes back in line {self.cells.index[back[0] + 1]}")
+            self._warn("time_goes_back", line=int(self.cells.index[back[0] + 1]))
         return time
 
     def _sampled_time(self) -> np.ndarray | None:
@@ -451,7 +450,7 @@ class Readings:
             start, step = float(starts.pop()), float(steps.pop())
         except ValueError:
             return None
-        self.notes.append(f"time from X0 and Delta_X: a reading every {step:g} s")
+        self.findings.append(note("sampled_time", step=step))
         return start + step * (self.cells.index.to_numpy() - table.first)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding
 from ..io.input_file import read_bytes
 from ..units import parse, pretty
 from .formats import table_texts
@@ -19,7 +20,6 @@ from .headers import (
     Column,
     MissingMetadataError,
     choose_columns,
-    dimension_of,
     is_unit,
     read_name,
     score,
@@ -28,7 +28,7 @@ from .headers import (
 )
 from .published import from_json
 from .quantities import BRANCHES, Readings
-from .record import Record, Source, join
+from .record import Record, Source, join, note, warning
 from .sidecar import Sidecar, read_sidecar, sidecar_beside
 from .tables import MAX_ROWS, Table, open_table, read_seconds
 
@@ -90,8 +90,8 @@ def load(
     - `resample`: step of one clock on which channels with clocks of their own are interpolated [s].
     - `table`: sheet, matrix or group of a file with several, or a pattern such as `"*"` for all.
     - `decimal`: sign before decimals, "." or ","; the other may part thousands; default: inferred.
-    - `default_length`: rest length where no file names one [m], such as the muscle's; a doubt says
-      so. Default: lengths and displacements are refused then.
+    - `default_length`: rest length where no file names one [m], such as the muscle's, with a
+      warning; default: lengths and displacements are refused then.
 
     **Returns:** the record.
 
@@ -108,10 +108,10 @@ def load(
     for file in _find_files(path):
         raw = read_bytes(file, LARGEST_FILE, "record", ": keep every tenth row, or split it.")
         if sidecar is None:
-            info, notes = sidecar_beside(file)
+            info, found = sidecar_beside(file)
         else:
-            info, notes = read_sidecar(sidecar), (f"{Path(sidecar).name} read with it",)
-        records += _read_tables(raw, file, info, options, notes, name_pattern, default_length)
+            info, found = read_sidecar(sidecar), [note("sidecar", sidecar=Path(sidecar).name)]
+        records += _read_tables(raw, file, info, options, found, name_pattern, default_length)
     return _with_length(records[0] if len(records) == 1 else join(records), default_length)
 
 
@@ -140,12 +140,11 @@ def loads(
 
 
 def _with_length(record: Record, length: float | None) -> Record:
-    """A record with the rest `length` [m] where no file named one, and a doubt of it."""
+    """A record with the rest `length` [m] where no file named one, and a warning of it."""
     if length is None or record.rest_length is not None:
         return record
-    note = f"no rest length given: strains refer to the muscle's length, {pretty(length, 'length')}"
-    notes, doubts = (*record.notes, note), (note, *record.doubts)
-    return replace(record, rest_length=length, notes=notes, doubts=doubts)
+    finding = warning("default_length", length=length)
+    return replace(record, rest_length=length, findings=(finding, *record.findings))
 
 
 def _find_files(path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[Path]:
@@ -167,17 +166,12 @@ def _find_files(path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]])
     return list(dict.fromkeys(files))
 
 
-def _list_values(values: Mapping[str, float]) -> str:
-    texts = (f"{role} {pretty(value, dimension_of(role))}" for role, value in values.items())
-    return ", ".join(texts)
-
-
 def _read_tables(
     raw: bytes,
     path: Path,
     info: Sidecar,
     options: Mapping[str, Any],
-    notes: tuple[str, ...] = (),
+    findings: Sequence[Finding] = (),
     name_pattern: str | None = None,
     default_length: float | None = None,
 ) -> list[Record]:
@@ -187,11 +181,11 @@ def _read_tables(
     texts = {"": raw} if is_published else table_texts(raw, str(path), selected)
     records = []
     for table, text in texts.items():
-        table_info, table_notes = info, notes
+        table_info, found = info, [*findings]
         if name_pattern is not None:
             changes = read_name(path, name_pattern, table)
             table_info = info.model_copy(update=changes)
-            table_notes += (f"its name gives {_list_values(changes)}",)
+            found.append(note("name", values=changes))
         table_info = table_info.overruled(options)
         label = f", {table}" if len(texts) > 1 else ""
         source = f"{path}{label}"
@@ -204,8 +198,9 @@ def _read_tables(
         records.append(replace(
             record,
             sources=(Source(name, hashlib.sha256(raw).hexdigest()),),
-            notes=tuple(f"{name}: {note}" for note in (*table_notes, *record.notes)),
-            doubts=tuple(f"{name}: {note}" for note in record.doubts),
+            notes=tuple(f"{name}: {text}" for text in record.notes),
+            findings=tuple(replace(x, data={"file": name, **x.data})
+                           for x in (*found, *record.findings)),
         ))  # fmt: skip
     return records
 
@@ -237,8 +232,7 @@ def _read_record(
             raise ValueError(f"{source}: in its remarks, {error}") from None
         if rest_length <= 0:
             raise ValueError(f"{source}: in its remarks, `rest_length` must be positive.")
-        note = f"rest length {pretty(rest_length, 'length')} read from the file's comments"
-        readings.notes.append(note)
+        readings.findings.append(note("rest_length", length=rest_length))
     position = readings.position
     needs_length = rest_length is None and position.role != "strain"
     if needs_length and default_length is None:
@@ -278,10 +272,10 @@ def _read_record(
         synthetic=info.synthetic
         or any(text[9:].strip(" :=.") not in denials for text in synthetic),
         notes=(
-            *readings.notes, *readings.doubts, *(" ".join(text.split()) for text in texts),
+            *(" ".join(text.split()) for text in texts),
             *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
         ),
-        doubts=tuple(readings.doubts),
+        findings=tuple(readings.findings),
         zeroed=tuple(name for name, values in zeros.items() if set(values) != {None}),
     )  # fmt: skip
     return _with_length(record, default_length) if needs_length else record
@@ -291,10 +285,10 @@ def _read_columns(table: Table, info: Sidecar) -> Readings:
     """Cells of the columns and constants of a `table`."""
     import pandas as pd
 
-    columns, notes = choose_columns(table, info)
-    doubts = [f"unit {info.units[role]!r} of {role} not used: there is no such column"
-              for role in info.units.keys() - columns.keys()]  # fmt: skip
-    readings = Readings(table, columns, pd.DataFrame(), info, notes, doubts)
+    columns, findings = choose_columns(table, info)
+    unused = sorted(info.units.keys() - columns.keys())
+    findings += [warning("unused_unit", unit=info.units[role], role=role) for role in unused]
+    readings = Readings(table, columns, pd.DataFrame(), info, findings)
     rows = _row_range(info.rows)
     if info.resample is None:
         _read_cells(readings, rows)
@@ -303,7 +297,7 @@ def _read_columns(table: Table, info: Sidecar) -> Readings:
     for role, value in info.constants.items():
         readings.cells[role], columns[role] = value, Column(role, -1, role, si_unit(role))
     if info.constants:
-        notes.append(f"all readings at {_list_values(info.constants)}")
+        findings.append(note("constants", values=info.constants))
     return readings
 
 
@@ -333,9 +327,9 @@ def _read_cells(readings: Readings, rows: tuple[int, int] | None) -> None:
     }
     for role, is_other in is_misread.items():
         if is_other and role not in named:
-            rule = f"not read as {role}: it holds something else"
-            readings.doubts.append(f"column `{columns.pop(role).header}` {rule}")
-    readings.doubts += left_out
+            column = columns.pop(role).header
+            readings.findings.append(warning("misread_column", column=column, role=role))
+    readings.findings += left_out
 
 
 def _numeric(columns: Mapping[str, Column]) -> dict[str, Column]:
@@ -406,7 +400,7 @@ def _resample(readings: Readings, rows: tuple[int, int] | None, step: float) -> 
         readings.cells[role] = np.interp(grid, t, frame[column.index])
     readings.columns.clear()
     readings.columns.update(numbers, time=Column("time", -1, "time", "s"))
-    readings.notes.append(f"channels interpolated on one clock, every {step:g} s")
+    readings.findings.append(note("resampled", step=step))
 
 
 def _row_range(text: str | None) -> tuple[int, int] | None:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding, Severity
 from ..core.validation import broadcast_shape
 from ..units import exact
 
@@ -20,6 +21,16 @@ UP, DOWN, UNKNOWN = 1, -1, 0  # branches of a hysteresis loop
 COLUMNS = ("pressure", "strain", "force", "censored", "branch")
 OPTIONAL_COLUMNS = ("time", "moment_arm")
 STRAINS = (-0.2, 0.9)  # a muscle stretched by a fifth has straight fibers
+
+
+def note(code: str, **data: object) -> Finding:
+    """Finding of a record that says how it was read."""
+    return Finding(f"record.{code}", Severity.NOTE, data)
+
+
+def warning(code: str, **data: object) -> Finding:
+    """Finding of a record to check."""
+    return Finding(f"record.{code}", Severity.WARNING, data)
 
 
 @dataclass(frozen=True)
@@ -44,8 +55,8 @@ class Record:
     - `moment_arm`: of the muscle on the joint whose torque was measured [m], or `None`.
     - `synthetic`: true for readings of a model.
     - `sources`: the files it was read from.
-    - `notes`: what was assumed and changed while reading, a line each; `doubts`: those of them to
-      check.
+    - `notes`: what people wrote of it, a line each.
+    - `findings`: what was assumed and changed while reading; warnings are to check.
     - `zeroed`: channels whose reading at zero, or at rest, was given: "force", "pressure" or
       "displacement".
     """
@@ -61,7 +72,7 @@ class Record:
     synthetic: bool = False
     sources: tuple[Source, ...] = ()
     notes: tuple[str, ...] = ()
-    doubts: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     zeroed: tuple[str, ...] = ()
     file: np.ndarray | None = None
 
@@ -119,19 +130,19 @@ class Record:
             return False
         return len(self.sources) < 2 or bool(np.all(np.diff(self.time) >= 0))
 
-    def only(self, selection: Any, *notes: str) -> "Record":
+    def only(self, selection: Any, *findings: Finding) -> "Record":
         """Record of selected readings alone.
 
         **Arguments:**
 
         - `selection`: a mask or indices.
-        - `notes`: added to the record's notes and doubts.
+        - `findings`: added to the record's.
 
         **Returns:** the selected readings.
         """
         columns = {name: getattr(self, name) for name in (*COLUMNS, *OPTIONAL_COLUMNS, "file")}
         arrays = {name: x[selection] for name, x in columns.items() if x is not None}
-        return replace(self, **arrays, notes=(*self.notes, *notes), doubts=(*self.doubts, *notes))
+        return replace(self, **arrays, findings=(*self.findings, *findings))
 
 
 def join(records: Sequence[Record]) -> Record:
@@ -139,7 +150,7 @@ def join(records: Sequence[Record]) -> Record:
 
     **Arguments:** `records`: at least one.
 
-    **Returns:** all their readings; a warning and a note name records with equal readings.
+    **Returns:** all their readings; a warning and a finding name records with equal readings.
 
     **Raises:** `InvalidInputError` if their strains refer to different lengths.
     """
@@ -148,16 +159,15 @@ def join(records: Sequence[Record]) -> Record:
         values, remedy = sorted(map(str, lengths)), "name one in each file's TOML"
         rule = "must share one rest length"
         raise InvalidInputError("records", rule, values, remedy, shown=f"{values} m")
-    duplicates = _duplicate_messages(records)
-    for message in duplicates:
-        warnings.warn(f"{message}.", stacklevel=2)
+    duplicates = _duplicates(records)
+    for pair in dict.fromkeys(tuple(finding.data.values()) for finding in duplicates):
+        message = "{} and {} hold the same readings, which count twice: leave one out."
+        warnings.warn(message.format(*pair), stacklevel=2)
     arrays: dict[str, np.ndarray | None] = {}
     for name in (*COLUMNS, *OPTIONAL_COLUMNS):
         columns = [getattr(record, name) for record in records]
         is_missing = any(values is None for values in columns)
         arrays[name] = None if is_missing else np.concatenate(columns)
-    notes = [note for record in records for note in record.notes]
-    doubts = [note for record in records for note in record.doubts]
     arrays["file"] = np.repeat(np.arange(len(records)), [len(record) for record in records])
     return replace(
         records[0],
@@ -166,25 +176,25 @@ def join(records: Sequence[Record]) -> Record:
         rest_length=next(iter(lengths), None),
         synthetic=any(record.synthetic for record in records),
         sources=tuple(source for record in records for source in record.sources),
-        notes=tuple(dict.fromkeys([*notes, *duplicates])),
-        doubts=tuple(dict.fromkeys([*doubts, *duplicates])),
+        notes=tuple(dict.fromkeys(note for record in records for note in record.notes)),
+        findings=(*(finding for record in records for finding in record.findings), *duplicates),
         zeroed=tuple(x for x in records[0].zeroed if all(x in r.zeroed for r in records)),
     )
 
 
-def _duplicate_messages(records: Sequence[Record]) -> list[str]:
-    """A line for each record that repeats the readings of an earlier one."""
+def _duplicates(records: Sequence[Record]) -> list[Finding]:
+    """A finding for each record that repeats the readings of an earlier one."""
     names = [", ".join(source.name for source in record.sources) for record in records]
-    first: dict[bytes, int] = {}
-    lines = []
+    earlier: dict[bytes, int] = {}
+    findings = []
     for index, record in enumerate(records):
         readings = np.stack([record.pressure, record.strain, record.force]).tobytes()
-        earlier = first.setdefault(readings, index)
-        if earlier != index:
-            pair = (names[i] or f"record {i + 1}" for i in (earlier, index))
-            rule = "hold the same readings, which count twice: leave one out"
-            lines.append(f"{' and '.join(pair)} {rule}")
-    return list(dict.fromkeys(lines))
+        first = earlier.setdefault(readings, index)
+        if first != index:
+            pair = {"first": names[first] or f"record {first + 1}"}
+            pair["second"] = names[index] or f"record {index + 1}"
+            findings.append(warning("duplicates", **pair))
+    return findings
 
 
 def dumps(record: Record) -> str:

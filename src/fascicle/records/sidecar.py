@@ -31,11 +31,13 @@ from pydantic import (
 )
 
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding
 from ..io.input_file import parse_toml, read_bytes
 from ..table_model import TableModel, validate
 from ..units import parse, to_si
 from .headers import CONSTANTS, Scale, check_roles, dimension_of, read_scale, si_unit, split_names
 from .joint import ArmTable, read_arm_table
+from .record import note
 
 
 _MAX_SIZE = 1_000_000  # bytes
@@ -187,16 +189,16 @@ def read_sidecar(path: str | os.PathLike[str]) -> Sidecar:
     return validate(Sidecar, _read_tables(Path(path)), str(path))
 
 
-def sidecar_beside(path: Path) -> tuple[Sidecar, tuple[str, ...]]:
-    """The sidecar of a table's own name, empty if there is none, and a note of it."""
+def sidecar_beside(path: Path) -> tuple[Sidecar, list[Finding]]:
+    """The sidecar of a table's own name, empty if there is none, and a finding on it."""
     toml = path.with_suffix(".toml")
     if toml == path or not toml.is_file():
-        return Sidecar(), ()
+        return Sidecar(), []
     data = _read_tables(toml)
     if {"muscle", "bundle"} & set(data):
         # a calibrated muscle's file may have its record's name
-        return Sidecar(), (f"{toml.name} beside it not read: it describes a muscle",)
-    return validate(Sidecar, data, str(toml)), (f"{toml.name} beside it read",)
+        return Sidecar(), [note("sidecar_of_muscle", sidecar=toml.name)]
+    return validate(Sidecar, data, str(toml)), [note("sidecar_beside", sidecar=toml.name)]
 
 
 def _read_tables(path: Path) -> dict[str, Any]:

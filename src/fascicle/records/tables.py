@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..core.errors import require
+from ..core.findings import Finding
 from .headers import (
     EXAMPLE_NAMES,
     LONGEST_NAME,
@@ -31,6 +32,7 @@ from .headers import (
     score,
     strip_brackets,
 )
+from .record import warning
 
 
 if TYPE_CHECKING:
@@ -146,8 +148,8 @@ class Table:
 
     def read(
         self, numbers: Iterable[int], rows: tuple[int, int] | None = None, *, sparse: bool = False
-    ) -> tuple["pd.DataFrame", list[str]]:
-        """Cells of the readings by column and line, columns `numbers` as finite floats, and notes.
+    ) -> tuple["pd.DataFrame", list[Finding]]:
+        """Cells of the readings by column and line, columns `numbers` as finite floats; findings.
 
         Rows with holes in these are left out. `rows`: first and last, from 1; default: all of one
         specimen. `sparse`: most rows may have holes. Raises a `ValueError` for the first bad cell,
@@ -193,14 +195,14 @@ class Table:
             rule = f"{len(holes)} of {count + len(holes)} rows have holes"
             remedy = "fill or delete them, resample channels to one rate, or choose other columns"
             raise ValueError(f"{self.source}, line {holes[0]}: {rule}: {remedy}.")
-        notes = []
-        for kind, lines in (("with holes", holes), ("of words", word_lines)):
-            if lines:
-                count = f"{len(lines)} {'row' if len(lines) == 1 else 'rows'}"
-                notes.append(f"{count} {kind} left out, the first in line {lines[0]}")
+        found = [
+            warning(f"rows_{kind}", count=len(lines), line=lines[0])
+            for kind, lines in (("with_holes", holes), ("of_words", word_lines))
+            if lines
+        ]
         for i, x in values.items():
             frame[i] = x
-        return frame[is_reading], notes
+        return frame[is_reading], found
 
     @cached_property
     def _frame(self) -> "pd.DataFrame":

@@ -6,6 +6,7 @@ then the warnings. The same calibration and date give the same page.
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from ..units import pretty
 from . import calibration_words as words
 from .calibration_figures import curves_csv, figures
 from .page import picture, render
+from .words import record_lines
 
 
 if TYPE_CHECKING:
@@ -96,7 +98,7 @@ def report(
         reasons=words.selection_reasons(choice), label=words.candidate_label,
         searches=words.search_lines(fit.solutions), interval_method=words.interval_method(fit),
         draws=[] if posterior is None else _posterior_rows(fit, posterior),
-        record_lines=[origin, f"Strains refer to {reference}.", *record.notes],
+        record_lines=[origin, f"Strains refer to {reference}.", *record_lines(record)],
         pictures={name: picture(figure, svg.get(name)) for name, figure in figures.items()},
         pretty=pretty, interval=_interval_text,
         percent=lambda share: f"{100 * share:.3g} %" if np.isfinite(share) else "-",
@@ -134,10 +136,12 @@ def output_files(
     drawn = {name: to_bytes(figure, "svg") for name, figure in drawings.items()}
     page = report(result, date, drawings, drawn)
     reasons = words.selection_reasons(result.choice)
-    texts = calibrated_files(fit, date, result.choice, words.warning_lines(fit), reasons)
+    lines = words.warning_lines(fit), reasons, record_lines(fit.record)
+    texts = calibrated_files(fit, date, result.choice, *lines)
     texts |= {"report.html": page, "curves.csv": curves_csv(fit)}
     if with_notebook:
-        texts |= {"record.csv": record_text(fit.record), "fit.ipynb": notebook(result)}
+        record = replace(fit.record, notes=tuple(record_lines(fit.record)))
+        texts |= {"record.csv": record_text(record), "fit.ipynb": notebook(result)}
     content = {name: text.encode() for name, text in texts.items()}
     for name, figure in drawings.items():
         content |= {f"{name}.png": to_bytes(figure, "png"), f"{name}.svg": drawn[name]}
@@ -233,7 +237,7 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         "noise": float(fit.problem.noise),
         "findings": [finding.to_json() for finding in calibration_findings(fit)],
         "warnings": words.warning_lines(fit),
-        "notes": list(fit.record.notes),
+        "notes": record_lines(fit.record),
         "starts": words.search_lines(fit.solutions),
         "readings": fit.fit_data.counts(),
         "trends": [pick(trend, "along", "share", "chance", "found") for trend in diagnosis.trends],

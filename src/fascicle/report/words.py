@@ -4,10 +4,12 @@ Calibrations and designs have catalogues of their own, which need more than the 
 """
 
 import string
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from ..core.findings import Finding, Severity
+from ..records.headers import dimension_of
+from ..records.record import Record
 from ..units import DIMENSIONS, pretty
 
 
@@ -54,23 +56,80 @@ _CATALOGUE = {
 }
 
 
-class Formatter(string.Formatter):
-    """Formats `{value:force}` in units, `{names:list}` and `{share:percent}`."""
+def _column(data: Mapping[str, Any]) -> str:
+    """How a column of a record was read."""
+    text = f"column `{data['header']}` read as {data['role'].replace('_', ' ')}"
+    text += f" in {data['unit'] or 'fractions'}" if data["has_unit"] else ""
+    text += f" as given, not in {data['replaced_unit']}" if data["replaced_unit"] else ""
+    text += ", its sign turned" if data["sign"] < 0 else ""
+    return text + (", less the atmosphere" if data["absolute"] else "")
 
-    def format_field(self, value: Any, format_spec: str) -> str:
-        if format_spec in DIMENSIONS:
-            return pretty(value, format_spec, 3)
-        if format_spec == "list":
-            return list_text(value)
-        if format_spec == "percent":
-            return f"{100 * value:.2g} %"
-        return str(super().format_field(value, format_spec))
+
+_RECORD = {
+    "sidecar": "{sidecar} read with it",
+    "sidecar_beside": "{sidecar} beside it read",
+    "sidecar_of_muscle": "{sidecar} beside it not read: it describes a muscle",
+    "name": "its name gives {values:quantities}",
+    "constants": "all readings at {values:quantities}",
+    "rest_length": "rest length {length:length} read from the file's comments",
+    "default_length": "no rest length given: strains refer to the muscle's length, {length:length}",
+    "unread_columns": "columns not read: {names:columns}",
+    "unused_unit": "unit {unit!r} of {role} not used: there is no such column",
+    "misread_column": "column `{column}` not read as {role}: it holds something else",
+    "rows_with_holes": "{count:row} with holes left out, the first in line {line}",
+    "rows_of_words": "{count:row} of words left out, the first in line {line}",
+    "resampled": "channels interpolated on one clock, every {step:g} s",
+    "sampled_time": "time from X0 and Delta_X: a reading every {step:g} s",
+    "time_is_date": "time is a date in {unit}, not in s",
+    "time_goes_back": "time goes back in line {line}",
+    "short_arms": "{count:reading} left out: the moment arm is below {least:percent} of the"
+    " largest, {largest:length}",
+    "pressures_below_zero": "{count} pressures below zero, down to {lowest:.3g} Pa, set to 0",
+    "atmosphere": "the lowest pressure is {lowest:pressure}: if that is the atmosphere, give it to"
+    " subtract it",
+    "no_pull": 'no reading pulls: if they do, signs.force is "pushing positive"',
+    "clipped": "{count} of {readings} readings clipped",
+    "zero_forces": "{count} forces are exactly 0: if the gauge can't push, they are clipped at"
+    " zero",
+    "stretched": "{count} readings stretched beyond rest, down to {lowest:.3g}",
+    "displaced": "all displacements are beyond {nearest}: if it is 0 there, give {nearest} as zero",
+    "duplicates": "{first} and {second} hold the same readings, which count twice: leave one out",
+    "averaged": "hysteresis averaged: {loops} of {levels} levels have both branches",
+    "ramps": "{count} readings of ramps between sweeps left out of the fit",
+}
 
 
 def list_text(words: Sequence[str]) -> str:
     """Enumeration with commas and "and"."""
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last
+
+
+def _count(noun: str) -> Callable[[int], str]:
+    return lambda number: f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+_FORMATS: dict[str, Callable[[Any], str]] = {
+    "list": list_text,
+    "percent": lambda share: f"{100 * share:.2g} %",
+    "row": _count("row"),
+    "reading": _count("reading"),
+    "columns": lambda names: ", ".join(f"`{name}`" for name in names),
+    "quantities": lambda values: ", ".join(
+        f"{role} {pretty(value, dimension_of(role))}" for role, value in values.items()
+    ),
+}
+
+
+class Formatter(string.Formatter):
+    """Formats `{value:force}` in units, `{names:list}`, `{share:percent}` and other `_FORMATS`."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        if format_spec in DIMENSIONS:
+            return pretty(value, format_spec, 3)
+        if format_spec in _FORMATS:
+            return _FORMATS[format_spec](value)
+        return str(super().format_field(value, format_spec))
 
 
 def notes(findings: Iterable[Finding]) -> list[str]:
@@ -82,3 +141,20 @@ def words(finding: Finding) -> str:
     """A finding in words, without a full stop."""
     data: Mapping[str, Any] = {"code": finding.code.partition(".")[2], **finding.data}
     return Formatter().vformat(_CATALOGUE[finding.code], (), data)
+
+
+def record_lines(record: Record) -> list[str]:
+    """How a record was read and what to check, then what people wrote of it, a line each."""
+    return [*map(_record_line, record.findings), *record.notes]
+
+
+def record_doubts(record: Record) -> list[str]:
+    """What to check in a record, a line each."""
+    return [_record_line(x) for x in record.findings if x.severity is Severity.WARNING]
+
+
+def _record_line(finding: Finding) -> str:
+    """Words of a record's finding, after the name of its file."""
+    code, data = finding.code.removeprefix("record."), finding.data
+    text = _column(data) if code == "column" else Formatter().vformat(_RECORD[code], (), data)
+    return f"{data['file']}: {text}" if "file" in data else text

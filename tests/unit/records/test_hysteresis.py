@@ -33,7 +33,7 @@ def test_the_half_way_curve_and_the_width():
     # what it was made of stays, and what it is stays known
     assert_array_equal(record.force, before)
     assert (half.record.synthetic, half.record.rest_length, half.record.time) == (True, 0.3, None)
-    assert "hysteresis averaged: 3 of 3 levels have both branches" in half.record.notes[-1]
+    assert half.record.findings[-1].data == {"loops": 3, "levels": 3}
 
 
 def test_noise_is_averaged_in_cells():
@@ -66,7 +66,7 @@ def test_one_branch_is_kept_as_it_is():
     single = half.record.only(half.record.pressure == 2e5)
     assert_array_equal(single.force, record.force[60:90])
     assert np.isnan(half.width[half.record.pressure == 2e5]).all()
-    assert "1 of 2 levels" in half.record.notes[-1]
+    assert half.record.findings[-1].data == {"loops": 1, "levels": 2}
 
 
 def test_what_it_refuses():

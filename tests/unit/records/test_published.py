@@ -41,7 +41,7 @@ def test_it_reads_back_to_the_bit(record, suffix, tmp_path):
         before, after = getattr(record, field.name), getattr(read, field.name)
         if isinstance(before, np.ndarray):
             assert (before.dtype, before.tobytes()) == (after.dtype, after.tobytes()), field.name
-        elif suffix == ".json" or field.name not in ("sources", "notes", "doubts"):
+        elif suffix == ".json" or field.name not in ("sources", "notes", "findings"):
             assert before == after and type(before) is type(after), field.name
     again = tmp_path / f"again{suffix}"
     records.write(read, again)
@@ -83,7 +83,7 @@ def test_the_schema_in_the_docs_is_the_code_s():
     path = ROOT / f"docs/_static/{SCHEMA.replace('/', '-')}.schema.json"
     assert json.loads(path.read_text()) == records.json_schema()
     described = set(records.json_schema()["properties"])
-    of_reading = {"doubts", "zeroed", "file"}
+    of_reading = {"findings", "zeroed", "file"}
     assert described == {"schema", *(f.name for f in fields(records.Record))} - of_reading
 
 

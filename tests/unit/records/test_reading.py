@@ -159,7 +159,8 @@ def test_dates_that_are_numbers(first, step):
 def test_a_transducers_noise_around_zero_is_no_suction():
     record = loads(GOOD.replace("100,270", "-1.5,270"), rest_length=0.3)
     assert_array_equal(record.pressure, [100e3, 0, 200e3])
-    assert any("1 pressures below zero" in note for note in record.notes)
+    counts = {finding.code: finding.data.get("count") for finding in record.findings}
+    assert counts["record.pressures_below_zero"] == 1
 
 
 @pytest.mark.parametrize(
@@ -314,9 +315,11 @@ def test_a_column_that_nothing_needs_does_not_stop_the_reading(header, cells):
     record = loads("\n".join(lines), source="m.csv", rest_length=0.3)
     same(record, loads(GOOD, rest_length=0.3))
     assert record.time is None
-    assert any("not read" in note and header.partition(",")[0] in note for note in record.notes)
-    # a column that was taken for it is a doubt
-    assert set(record.doubts) >= {note for note in record.notes if "not read as" in note}
+    data = {finding.code: finding.data for finding in record.findings}
+    unread = [*data.get("record.unread_columns", {}).get("names", ())]
+    if "record.misread_column" in data:  # a column that was taken for it is to check
+        unread.append(data["record.misread_column"]["column"])
+    assert header.partition(",")[0] in unread
 
 
 def test_a_time_that_was_asked_for_stops_it():

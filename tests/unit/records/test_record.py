@@ -6,6 +6,7 @@ from numpy.testing import assert_array_equal
 
 from fascicle.core.errors import InvalidInputError
 from fascicle.records import Record, Source, join
+from fascicle.records.record import note
 from refusing import refuses, warns
 
 
@@ -24,8 +25,9 @@ def test_readings_broadcast_and_are_ones_own():
 
 
 def test_some_of_them():
-    some = replace(ONE, time=np.array([0.0, 1.0])).only([False, True], "the last")
-    assert (some.strain, some.time, some.notes) == ([0.1], [1.0], ("n", "the last"))
+    some = replace(ONE, time=np.array([0.0, 1.0])).only([False, True], note("last"))
+    assert (some.strain, some.time, some.notes) == ([0.1], [1.0], ("n",))
+    assert [finding.code for finding in some.findings] == ["record.last"]
 
 
 def test_joined():
@@ -46,8 +48,9 @@ def test_the_same_readings_twice_are_told():
     with warns("a", "copy"):
         both = join([ONE, Record.of(2e5, 0.1, 5), copied])
     assert len(both) == 5
+    assert [dict(x.data) for x in both.findings] == [{"first": "a", "second": "copy"}]
     with_noise = Record.of(1e5, [0.0, 0.1], [50, 20.1])
-    assert join([ONE, with_noise]).notes == ("n",)  # no warning: they are errors here
+    assert not join([ONE, with_noise]).findings  # no warning: they are errors here
 
 
 @pytest.mark.parametrize("force", [[1.0, np.nan], [1.0, np.inf], np.ma.masked_less([1.0, -9.0], 0)])
