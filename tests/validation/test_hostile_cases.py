@@ -6,6 +6,7 @@ import pytest
 from measured import measured
 
 from fascicle.records import load, loads
+from fascicle.report.words import record_lines
 from refusing import refuses_at
 
 
@@ -39,4 +40,4 @@ def test_a_name_of_other_bytes_than_utf_8_can_be_written(tmp_path):
     except OSError:
         pytest.skip("this file system has names in UTF-8 alone")
     record = load(os.fsdecode(path))
-    "".join((*record.notes, record.sources[0].name)).encode()
+    "".join((*record_lines(record), record.sources[0].name)).encode()

@@ -25,7 +25,8 @@ def test_options_are_arguments(tmp_path):
     assert record.pressure.tolist() == [2e5, 2e5]
     assert record.force == pytest.approx([8 - 95.2, 8 - 70.8])
     assert record.strain == pytest.approx(0.05)
-    assert record.rest_length == 0.18 and "no rest length given" in record.doubts[0]
+    assert record.rest_length == 0.18
+    assert "record.default_length" in {finding.code for finding in record.findings}
 
 
 def test_what_is_missing_is_offered_as_an_option(tmp_path):
