@@ -61,10 +61,9 @@ class Kothera2009(AbstractTension):
         area, area_slope = 2 * np.pi * r0**2 * cot2 * lam**2, -4 * np.pi * r0**2 * cot2 * lam
         stretch = sqrt(square)
         hoop, hoop_slope = stretch - 1, square_slope / (2 * stretch)
-        wall = E * A * (lam - 1) / lam - area * (1 - bore) * E * hoop
-        thickness_slope = area_slope * (1 - bore) - area * bore_slope
-        hoop_force_slope = thickness_slope * hoop + area * (1 - bore) * hoop_slope
-        wall_slope = -E * A / lam**2 - E * hoop_force_slope
+        shell, shell_slope = area * (1 - bore), area_slope * (1 - bore) - area * bore_slope  # t/r
+        wall = E * A * (lam - 1) / lam - shell * E * hoop
+        wall_slope = -E * A / lam**2 - E * (shell_slope * hoop + shell * hoop_slope)
         if self.conservative:
             mesh, mesh_slope = braid.mesh(pressure, strain)
             return Pull(mesh, wall, mesh_slope, wall_slope)
