@@ -135,6 +135,12 @@ def test_a_missing_device_is_one_line(platform):
     assert f"JAX_PLATFORMS={platform}" in done.stderr
 
 
+@pytest.mark.parametrize("epoch", ["abc", "-1", "9" * 17])
+def test_a_date_of_the_environment_that_is_none_is_one_line(refused, monkeypatch, epoch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
+    assert refused("muscles").startswith(f"SOURCE_DATE_EPOCH={epoch}: ")
+
+
 def test_a_message_has_an_end(refused, tmp_path):
     (tmp_path / "m.toml").write_text("format = 1\n" + "".join(f"k{i} = 1\n" for i in range(5000)))
     for line in (["force", "x" * 9000], ["force", "m.toml"], ["force", "a\x1b\x00b\u202e"]):

@@ -4,6 +4,7 @@ import atexit
 import contextlib
 import io
 import os
+import re
 import signal
 import sys
 import warnings
@@ -84,6 +85,9 @@ def _print_version(value: bool) -> None:
 
 def _run_command(arguments: list[str]) -> tuple[int, str]:
     """Run the command line `arguments`; exit code, and one line for any error."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")  # libraries read it when they are imported
+    if not re.fullmatch(r"\d{0,11}", epoch, re.ASCII):
+        return 2, f"SOURCE_DATE_EPOCH={epoch}: must be whole seconds since 1970: unset it."
     try:
         code = make_app()(arguments, prog_name="fascicle", standalone_mode=False)
         sys.stdout.flush()

@@ -81,14 +81,10 @@ def _usage_message(error: Exception) -> str:
 
 
 def _resource_message(error: Exception) -> str:
-    """Message if memory, matplotlib's or JAX's device is missing, or the environment's date is
-    wrong; empty for any other error.
-    """
+    """Message if memory, matplotlib's or JAX's device is missing; empty for any other error."""
     text, platforms = str(error), os.environ.get("JAX_PLATFORMS", "")
     if (figures := os.environ.get("MPLBACKEND", "")) and f"{figures!r} is not a valid" in text:
         return f"MPLBACKEND={figures}: matplotlib has no such backend; unset it, or write agg."
-    if (epoch := os.environ.get("SOURCE_DATE_EPOCH", "")) and f"{epoch!r}" in text:
-        return f"SOURCE_DATE_EPOCH={epoch}: must be whole seconds since 1970; unset or correct it."
     # JAX's words on a platform that it doesn't find, or none
     if platforms and ("backend" in text or (isinstance(error, AssertionError) and not text)):
         return f"JAX_PLATFORMS={platforms}: JAX finds no such device; unset it, or write cpu."
