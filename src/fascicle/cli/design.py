@@ -33,6 +33,7 @@ from .terminal import print_line, print_table, status
 
 
 if TYPE_CHECKING:
+    from ..core.findings import Finding
     from ..files.task import TaskFile
 
 _PRINTED = 8  # designs of the front in the table; the report has more
@@ -93,21 +94,24 @@ def design(
             result = fs.design.evolve(*problem, population, generations, seed, **common)
         answer = _judge(result, file, update)
     seconds = time.perf_counter() - begin
+    from ..report import words
+
+    notes = words.notes(file.findings)
 
     def show() -> None:
         if as_json:
-            print(_json(answer, file.notes))
+            print(_json(answer, notes, file.findings))
         else:
-            _print_answer(answer, file.notes)
+            _print_answer(answer, notes)
 
     names: list[str] = []
     if folder is not None:
         with print_if_lost(show), status("drawing the report"):
-            names = _write(answer, file.notes, seconds, folder, overwrite)
+            names = _write(answer, notes, seconds, folder, overwrite)
     if plot is not None:
         from ..report.design import sheet
 
-        write_picture("--plot", plot, overwrite, sheet(answer, today(), file.notes))
+        write_picture("--plot", plot, overwrite, sheet(answer, today(), notes))
     show()
     if folder is not None and not as_json:
         print_line(f"wrote {folder / names[0]} with all details and {len(names) - 1} more files")
@@ -146,7 +150,7 @@ def _judge(
     return fs.design.answer_search(replace(result, cycle=file.cycle))
 
 
-def _print_answer(answer: "fs.design.Answer", notes: tuple[str, ...]) -> None:
+def _print_answer(answer: "fs.design.Answer", notes: list[str]) -> None:
     """Print what is recommended, or what is missing."""
     from ..report import design_summary as text
 
@@ -170,7 +174,7 @@ def _print_answer(answer: "fs.design.Answer", notes: tuple[str, ...]) -> None:
 
 def _write(
     answer: "fs.design.Answer",
-    notes: tuple[str, ...],
+    notes: list[str],
     seconds: float,
     folder: Path,
     overwrite: bool,
@@ -204,7 +208,7 @@ def _write(
     return ["report.html", *data, *bundles]
 
 
-def _json(answer: "fs.design.Answer", notes: tuple[str, ...]) -> str:
+def _json(answer: "fs.design.Answer", notes: list[str], findings: "list[Finding]") -> str:
     """JSON of the front and the recommended design, or of the nearest design."""
     import numpy as np
 
@@ -222,7 +226,7 @@ def _json(answer: "fs.design.Answer", notes: tuple[str, ...]) -> str:
         "notes": [*notes, *first],
         "least_margin": result.least_margin,
         "warnings": [words(finding, answer) for finding in warnings],
-        "findings": [finding.to_json() for finding in answer.findings],
+        "findings": [finding.to_json() for finding in [*answer.findings, *findings]],
         "robustness": answer.robustness,
         "pressures": summary.cases.pressures.tolist(),
         "offers": result.offers,
@@ -327,7 +331,9 @@ def sweep(
         with replace_output("", front, overwrite or resume) as draft:
             write(variables, draft, title=f"Front of designs for {task.task.name}", source=SOURCE)
     print_line(f"wrote {len(task.space)} designs in {designs.blocks} blocks: {path}")
-    _print_answer(answer, task.notes)
+    from ..report.words import notes
+
+    _print_answer(answer, notes(task.findings))
     return 0 if answer.is_recommended else INCOMPLETE
 
 

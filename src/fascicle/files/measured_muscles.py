@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..core.findings import Finding, Severity
 from ..core.types import Float
 from ..core.validation import check_choice
 from ..muscle import Muscle
@@ -131,16 +132,19 @@ class CatalogEntry:
         force = self.muscle.force(record.pressure, record.strain * self.strain_ratio)
         return (record.force - np.asarray(force))[~record.censored]
 
-    def extrapolation(self, pressure: float, strain: float) -> str:
-        """Sentence that says which of a largest `pressure` [Pa] and `strain` [-] lies beyond those
-        that were measured; empty if none does, or if the range is unknown.
+    def extrapolations(self, pressure: float, strain: float) -> list[Finding]:
+        """Findings "muscle.pressure_extrapolated" and "muscle.strain_extrapolated": a largest
+        `pressure` [Pa] or `strain` [-] beyond those that were measured, if these are known.
         """
-        texts = []
-        for value, ends, (word, kind) in zip((pressure, strain), self.range, _RANGES, strict=True):
-            if ends is not None and value > ends[1] * (1 + _ROUNDING):
-                measured = f"measured up to {pretty(ends[1], kind, 3)}"
-                texts.append(f"a {word} of {pretty(value, kind, 3)} ({measured})")
-        return f"{self.name}: {' and '.join(texts)} is an extrapolation." if texts else ""
+        return [
+            Finding(
+                f"muscle.{kind}_extrapolated",
+                Severity.WARNING,
+                {"muscle": self.name, "value": value, "measured": ends[1]},
+            )
+            for value, ends, (_, kind) in zip((pressure, strain), self.range, _RANGES, strict=True)
+            if ends is not None and value > ends[1] * (1 + _ROUNDING)
+        ]
 
     def as_dict(self) -> dict[str, Any]:
         """Entry without its muscle: text, SI numbers and lists by name."""

@@ -4,6 +4,7 @@ A catalog's product has a radius, and lengths: in stock, or a range of them, cut
 laws and sizes that it doesn't give are those of a muscle. In one length it becomes one drawing.
 """
 
+import math
 import os
 import warnings
 from collections.abc import Mapping, Sequence
@@ -17,6 +18,7 @@ import numpy as np
 from ..bundle import Bundle
 from ..bundle.schemes import scheme_of
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding, Severity
 from ..core.module import with_fields
 from ..core.validation import check_choice, check_interval
 from ..design import objectives
@@ -57,13 +59,13 @@ _MAX_VALUES = (
 
 class Offer(NamedTuple):
     """Muscles on sale by name, the `products` they are, the `currency` of their prices ("" if none
-    has one), and `notes` on them.
+    has one), and `findings` on them.
     """
 
     drawings: dict[str, Muscle]
     products: dict[str, Product]
     currency: str
-    notes: tuple[str, ...]
+    findings: list[Finding]
 
 
 class TaskFile(NamedTuple):
@@ -79,7 +81,7 @@ class TaskFile(NamedTuple):
     catalog: Catalog
     uncertainty: Uncertainty | None
     block: int  # of a study's designs that are evaluated together
-    notes: tuple[str, ...]  # on products that aren't available, and on fit errors
+    findings: list[Finding]  # on products that aren't available, and on fit errors
     least_margin: float
     cycle: Cycle | None
 
@@ -120,9 +122,9 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     scatter, uncertainty = file.scatter or schema.ScatterSection(), None
     if scatter.enabled is not False:
         uncertainty = _uncertainty(scatter, design, root.child("scatter"), folder, probability)
-    notes = (*_fit_notes(design.muscle, folder, task, space), *(offer.notes if offer else ()))
+    findings = _fit_findings(design.muscle, folder, task, space) + (offer.findings if offer else [])
     cycle = _cycle(file.cycle, task, root.child("cycle"))
-    options = (catalog, uncertainty, block, notes, least_margin, cycle)
+    options = (catalog, uncertainty, block, findings, least_margin, cycle)
     return TaskFile(task, space, senses, limits, *options)
 
 
@@ -139,17 +141,17 @@ def _cycle(section: schema.CycleSection | None, task: Task, location: FileLocati
     return location.call(Cycle, **values)
 
 
-def _fit_notes(names: Sequence[str], folder: Path, task: Task, space: Space) -> list[str]:
-    """Notes on the errors of fitted muscles with these `names`, and on extrapolations."""
-    notes = []
+def _fit_findings(names: Sequence[str], folder: Path, task: Task, space: Space) -> list[Finding]:
+    """Findings on the errors of fitted muscles with these `names`, and on extrapolations."""
+    findings = []
     for name in names:
         if isinstance(rmse := _fit_errors(name, folder).get("rmse"), str):
-            rule = f"was fitted with an error of {rmse} (rmse): a margin doesn't count it."
-            notes.append(f"{name} {rule}")
+            data = {"muscle": name, "rmse": parse(rmse, "force")}
+            findings.append(Finding("muscle.fit_error", Severity.NOTE, data))
         if name in measured_muscles and name in space.drawings:
             strain = float(np.max(task.strain_of(float(space.drawings[name].length))))
-            notes.append(measured_muscles[name].extrapolation(task.supply_pressure, strain))
-    return [note for note in notes if note]
+            findings += measured_muscles[name].extrapolations(task.supply_pressure, strain)
+    return findings
 
 
 def _fit_errors(name: str, folder: Path) -> dict[str, Any]:
@@ -369,8 +371,8 @@ def _build_offer(
 ) -> Offer:
     drawings: dict[str, Muscle] = {}
     products: dict[str, Product] = {}
-    notes, currency = list[str](), ""
-    borrowed: dict[str, list[str]] = {}  # products by what they take from a base
+    findings, currency = list[Finding](), ""
+    borrowed: dict[tuple[str, ...], list[str]] = {}  # products by their base and its parts
     for i, section in enumerate(products_on_sale):
         location, base_name = catalog.child(i, kind="catalog"), section.muscle or design.muscle[0]
         base = _drawing(base_name, design, location, folder)
@@ -380,9 +382,10 @@ def _build_offer(
             raise location.error(("least_length",), "must not be more than most_length.")
         available = [length for length in candidates if low <= length <= high]
         if len(available) < len(candidates):
-            missing = ", ".join(f"{1e3 * x:g}" for x in candidates if x not in available)
-            end = "" if high == float("inf") else f" to {1e3 * high:g}"
-            notes.append(f"{section.name} isn't made {missing} mm long, but {1e3 * low:g}{end} mm.")
+            missing = [x for x in candidates if x not in available]
+            data = {"product": section.name, "lengths": missing}
+            data |= {"shortest": low, "longest": None if math.isinf(high) else high}
+            findings.append(Finding("product.length_unavailable", Severity.NOTE, data))
         for price in (section.price, section.price_per_length):
             currency = _common_currency(currency, price, location)
         for length in available:
@@ -393,21 +396,24 @@ def _build_offer(
                 warnings.simplefilter("ignore", UserWarning)  # of other lengths: a note says it
                 drawings[name] = _product_muscle(section, base, base_name, length)
                 products[name] = _product(section, length)
-        borrowed.setdefault(f"{_borrowed_sizes(section)} of {base_name}.", []).append(section.name)
+        borrowed.setdefault((base_name, *_borrowed_parts(section)), []).append(section.name)
         if len(drawings) > _MAX_DRAWINGS:
             raise catalog.error((), f"holds more than {_MAX_DRAWINGS} products and lengths.")
     if not drawings:
-        raise catalog.error((), f"none of its products is available: {' '.join(notes)}")
-    notes += [f"{', '.join(names)}: {sizes}" for sizes, names in borrowed.items()]
-    return Offer(drawings, products, currency, tuple(notes))
+        names = ", ".join(section.name for section in products_on_sale)
+        raise catalog.error((), f"none of its products is made in a length of the design: {names}.")
+    for (base_name, *parts), names in borrowed.items():
+        data = {"products": names, "muscle": base_name, "parts": parts}
+        findings.append(Finding("product.parts_borrowed", Severity.NOTE, data))
+    return Offer(drawings, products, currency, findings)
 
 
-def _borrowed_sizes(section: ProductSection) -> str:
-    """Sizes and laws that a product has from the muscle that it is based on, in words."""
+def _borrowed_parts(section: ProductSection) -> list[str]:
+    """Keys of sizes, or "calibration", that a product has from the muscle it is based on."""
     if _is_calibrated(section):
-        return "calibration, scaled by the active length,"
-    sizes = {"wall": section.wall_thickness, "braid angle": section.braid_angle}
-    return ", ".join([*(size for size, value in sizes.items() if value is None), "rubber and laws"])
+        return ["calibration"]
+    keys = ("wall_thickness", "braid_angle")
+    return [*(key for key in keys if getattr(section, key) is None), "material", "laws"]
 
 
 def _is_calibrated(section: ProductSection) -> bool:

@@ -2,6 +2,7 @@
 
 import textwrap
 import warnings
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,7 +34,7 @@ def report(
     date: str,
     files: list[str],
     seconds: float | None = None,
-    notes: tuple[str, ...] = (),
+    notes: Sequence[str] = (),
 ) -> str:
     """Page of a search, as HTML.
 
@@ -88,7 +89,7 @@ def plane(answer: Answer, ax: Axes | None = None) -> Figure:
 
 
 @styled
-def sheet(answer: Answer, date: str, notes: tuple[str, ...] = ()) -> Figure:
+def sheet(answer: Answer, date: str, notes: Sequence[str] = ()) -> Figure:
     """Figure of one page: what to take, parts, pressures and facts, and below them the sketch and
     the force-strain space; `date`, `notes`: as of `report`.
     """

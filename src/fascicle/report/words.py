@@ -39,6 +39,15 @@ _CATALOGUE = {
     " {end:.4g} s",
     "scenario.command_delayed": "the command at {time:.4g} s comes with the next step, at"
     " {step:.4g} s",
+    "muscle.fit_error": "{muscle} was fitted with an error of {rmse:force} (rmse): a margin doesn't"
+    " count it",
+    "muscle.pressure_extrapolated": "{muscle}: a pressure of {value:pressure} is an extrapolation,"
+    " it was measured up to {measured:pressure}",
+    "muscle.strain_extrapolated": "{muscle}: a contraction of {value:strain} is an extrapolation,"
+    " it was measured up to {measured:strain}",
+    "product.length_unavailable": "{product} isn't made {lengths:lengths} long, but from"
+    " {shortest:length} to {longest:longest}",
+    "product.parts_borrowed": "{products:list} have {parts:keys} of {muscle}",
     "control.pressure_time_short": _SWINGS + "take {stable:.4g} s, or leave it out",
     "control.dead_time_undeclared": _SWINGS + "declare the valves' dead time: `delay` of"
     " {dead_time:.4g} s",
@@ -111,6 +120,9 @@ def _count(noun: str) -> Callable[[int], str]:
 
 _FORMATS: dict[str, Callable[[Any], str]] = {
     "list": list_text,
+    "keys": lambda names: list_text([name.replace("_", " ") for name in names]),
+    "lengths": lambda lengths: list_text([pretty(x, "length") for x in lengths]),
+    "longest": lambda length: "any length" if length is None else pretty(length, "length"),
     "percent": lambda share: f"{100 * share:.2g} %",
     "row": _count("row"),
     "reading": _count("reading"),

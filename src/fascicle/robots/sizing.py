@@ -206,7 +206,8 @@ def size(
     sizing = Sizing(tendon, route, demand, P, tuple(good))
     sizing.chosen.muscle.replace()  # warns if its law was fitted at another length
     entry = named[sizing.chosen.name]
-    if isinstance(entry, CatalogEntry) and (text := entry.extrapolation(P, sizing.strains[1])):
+    if isinstance(entry, CatalogEntry) and entry.extrapolations(P, sizing.strains[1]):
+        text = f"{entry.name}: an extrapolation, it was measured at {entry.range}."
         warnings.warn(text, stacklevel=2)
     return sizing
 

@@ -48,7 +48,8 @@ def test_a_product_of_two_lengths_is_two_drawings():
     assert (product.largest_pressure, product.largest_strain) == (6e5, 0.25)
     assert (product.name, product.source, file.catalog.currency) == ("thin", "made up", "EUR")
     assert len(file.space) == 2 * 2
-    assert len(file.notes) == 1
+    (finding,) = file.findings
+    assert finding.code == "product.parts_borrowed" and finding.data["products"] == ["thin"]
 
 
 def test_product_has_the_laws_of_its_base(tmp_path):

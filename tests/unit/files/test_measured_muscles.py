@@ -103,9 +103,10 @@ def test_kims_muscles_are_those_of_the_examples():
 
 def test_what_lies_beyond_the_measured_range_is_extrapolated():
     entry = fs.catalog["festo-dmsp-20-300"]
-    assert entry.extrapolation(600e3, 0.2) == ""
-    assert entry.extrapolation(700e3, 0.2) and entry.extrapolation(600e3, 0.3)
-    assert fs.catalog["festo-20-400-sarosi"].extrapolation(1e6, 0.5) == ""
+    assert entry.extrapolations(600e3, 0.2) == []
+    codes = [finding.code for finding in entry.extrapolations(700e3, 0.3)]
+    assert codes == ["muscle.pressure_extrapolated", "muscle.strain_extrapolated"]
+    assert fs.catalog["festo-20-400-sarosi"].extrapolations(1e6, 0.5) == []
 
 
 TASK = """format = 1
@@ -124,10 +125,12 @@ def test_a_design_draws_from_the_catalog():
     file = loads_task(TASK.format(pressure="6 bar", muscle=names))
     assert list(file.space.drawings) == ["festo-dmsp-20-300", "festo-dmsp-10-250-rigid"]
     assert file.space.drawings["festo-dmsp-20-300"] == fs.catalog["festo-dmsp-20-300"].muscle
-    assert any("festo-dmsp-20-300 was fitted with an error of 9.38 N" in x for x in file.notes)
-    assert not any("extrapolation" in note for note in file.notes)
-    notes = loads_task(TASK.format(pressure="7 bar", muscle='"festo-dmsp-20-300"')).notes
-    assert any("a pressure of 700 kPa" in x and "extrapolation" in x for x in notes)
+    errors = {x.data["muscle"]: x.data["rmse"] for x in file.findings}
+    assert errors["festo-dmsp-20-300"] == 9.38
+    findings = loads_task(TASK.format(pressure="7 bar", muscle='"festo-dmsp-20-300"')).findings
+    assert [(x.code, x.data.get("value")) for x in findings] == [
+        ("muscle.fit_error", None), ("muscle.pressure_extrapolated", 7e5),
+    ]  # fmt: skip
     with refuses("design.muscle"):
         loads_task(TASK.format(pressure="6 bar", muscle='"festo-dmsp-20-30"'))
 

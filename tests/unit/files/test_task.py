@@ -156,8 +156,9 @@ def test_fit_error_is_noted(tmp_path):
     fs.save(muscle, tmp_path / "fitted.toml", {"rmse": "12.5 N"})
     text = PLAIN.replace("kim2021_figure_6", "fitted.toml") + "muscles = 2\n"
     (tmp_path / "task.toml").write_text(text)
-    (note,) = load_task(tmp_path / "task.toml").notes
-    assert note.startswith("fitted.toml was fitted with an error of 12.5 N (rmse)")
+    (finding,) = load_task(tmp_path / "task.toml").findings
+    assert finding.code == "muscle.fit_error"
+    assert finding.data == {"muscle": "fitted.toml", "rmse": 12.5}
 
 
 def test_constants_are_drawn_from_the_calibration(tmp_path):
