@@ -35,7 +35,7 @@ GRAVITY = 9.80665  # m/s², the standard value (CGPM 1901)
 _MASS = Range("kg", 1e-6, 1e-3, 1e4, 1e7)
 _STIFFNESS = Range("N/m", 0.0, 0.0, 1e8, 1e12)
 # m or rad: a damper that acts in full at once would be a jump of force, which no step resolves
-_DAMPER_DEPTH = 1e-3
+DAMPER_DEPTH = 1e-3
 
 _field_from_zero = partial(interval_field, low=0.0, high=np.inf, closed=(True, False), default=0.0)
 _field_of_any_size = partial(interval_field, low=0.0, high=np.inf)
@@ -64,7 +64,7 @@ class Stop(Module):
         over, under = self._depths(position)
         depth = over + under
         spring = self.stiffness * (over - under)
-        total = spring + self.damping * velocity * depth / (depth + _DAMPER_DEPTH)
+        total = spring + self.damping * velocity * depth / (depth + DAMPER_DEPTH)
         total = where(over > 0, maximum(total, 0.0), where(under > 0, -maximum(-total, 0.0), 0.0))
         return total, total - spring
 

@@ -16,10 +16,12 @@ if TYPE_CHECKING:
     from .opensim import opensim_element as opensim_element
     from .page import page_text as page_text
     from .page import write_page as write_page
+    from .plant import write_plant_fmu as write_plant_fmu
 
 
 _HOMES = dict.fromkeys(("table_code", "tabulate", "write_table"), "c_table")
 _HOMES |= {"opensim_element": "opensim", "page_text": "page", "write_page": "page"}
 _HOMES |= {"tabulate_controller": "controller", "write_fmu": "fmu"}
+_HOMES |= {"write_plant_fmu": "plant"}
 
 __getattr__, __dir__ = attach_lazy(__name__, _HOMES)

@@ -45,6 +45,10 @@ _UNITS: dict[str, dict[str, str]] = {
     "N": {"kg": "1", "m": "1", "s": "-2"},
     "m3": {"m": "3"},
     "1/s": {"s": "-1"},
+    "m": {"m": "1"},
+    "m/s": {"m": "1", "s": "-1"},
+    "K": {"K": "1"},
+    "kg/s": {"kg": "1", "s": "-1"},
     "1": {},
 }
 
@@ -88,7 +92,7 @@ def write_fmu(
     `UnbuiltUnitError` without a compiler for it: the file is written with its sources.
     """
     path = Path(path)
-    folder = _this_platform() if platform is None else check_choice(platform, _SUFFIXES, "platform")
+    folder = unit_platform(platform)
     check_c_name(name)
     step = _STEP if sample_time is None else float(check_positive(sample_time, "sample_time", "s"))
     tables = tabulate(target)
@@ -100,20 +104,40 @@ def write_fmu(
             raise InvalidInputError("sample_time", rule, step, remedy)
         step = period
     header, source = tables.code(name)
-    guid = hashlib.sha256((header + source).encode()).hexdigest()[:32]
-    values = {"name": name, "guard": name.upper(), "guid": guid, "sample_time": repr(step)}
-    values |= {"controls": int(tables.controller is not None)} | tables.limits_as_text
-    values |= {"supply_pressure": repr(tables.supply_pressure)}
+    guid = unit_guid(header + source)
+    files = f"fmu.c {name}.c"
+    values = {"name": name, "guard": name.upper(), "guid": guid, "files": files}
+    values |= {"controls": int(tables.controller is not None), "sample_time": repr(step)}
+    values |= {"supply_pressure": repr(tables.supply_pressure)} | tables.limits_as_text
+    values["model"] = render_template("fmu_table.c", values)
     sources = {f"{name}.h": header, f"{name}.c": source, "fmu.c": render_template("fmu.c", values)}
-    files = {"modelDescription.xml": _description(tables, name, guid, step)}
+    about = "Fluidic artificial muscles, force and volume from one table of co-energy"
+    description = describe_unit(variables(tables), about, name, guid, step, files.split())
+    return write_unit(path, name, folder, sources, description)
+
+
+def unit_guid(code: str) -> str:
+    """Identifier of an FMU: of equal `code` it is equal."""
+    return hashlib.sha256(code.encode()).hexdigest()[:32]
+
+
+def write_unit(
+    path: Path, name: str, platform: str | None, sources: dict[str, str], description: bytes
+) -> Path:
+    """Write an FMU with its `sources` and `description`, and a binary for the `platform`.
+
+    Raises `UnbuiltUnitError` without a compiler for it, or without a platform: the file is written
+    with its sources.
+    """
+    files = {"modelDescription.xml": description}
     files |= {f"sources/{file}": text.encode() for file, text in sources.items()}
     path.parent.mkdir(parents=True, exist_ok=True)
     unbuilt = None
     try:
-        if folder is None:
+        if platform is None:
             raise UnbuiltUnitError("this machine has no name in FMI 2.0")
-        library = f"binaries/{folder}/{name}.{_SUFFIXES[folder]}"
-        files[library] = _build_library(sources, name, folder)
+        library = f"binaries/{platform}/{name}.{_SUFFIXES[platform]}"
+        files[library] = _build_library(sources, name, platform)
     except UnbuiltUnitError as error:
         unbuilt = error
     content = BytesIO()
@@ -153,18 +177,19 @@ def variables(tables: BundleTables) -> list[FmuVariable]:
     ]
 
 
-def _description(tables: BundleTables, name: str, guid: str, step: float) -> bytes:
-    """The FMU's `modelDescription.xml`."""
-    about = "Fluidic artificial muscles, force and volume from one table of co-energy"
+def describe_unit(
+    numbers: list[FmuVariable], about: str, name: str, guid: str, step: float, files: list[str]
+) -> bytes:
+    """An FMU's `modelDescription.xml`, with its `numbers` and the names of its C `files`."""
     head = {"fmiVersion": "2.0", "modelName": name, "guid": guid, "description": about}
     head |= {"version": __version__, "generationTool": f"fascicle {__version__}"}
     head |= {"variableNamingConvention": "flat", "numberOfEventIndicators": "0"}
     root = ET.Element("fmiModelDescription", head)
     options = {"modelIdentifier": name, "canHandleVariableCommunicationStepSize": "true"}
     simulation = ET.SubElement(root, "CoSimulation", options)
-    files = ET.SubElement(simulation, "SourceFiles")
-    for file in ("fmu.c", f"{name}.c"):
-        ET.SubElement(files, "File", name=file)
+    source_files = ET.SubElement(simulation, "SourceFiles")
+    for file in files:
+        ET.SubElement(source_files, "File", name=file)
     units = ET.SubElement(root, "UnitDefinitions")
     for unit, base in _UNITS.items():
         ET.SubElement(ET.SubElement(units, "Unit", name=unit), "BaseUnit", dict(base))
@@ -173,7 +198,7 @@ def _description(tables: BundleTables, name: str, guid: str, step: float) -> byt
     ET.SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(step))
     model_variables = ET.SubElement(root, "ModelVariables")
     outputs, references = [], {"Real": 0, "Integer": 0}
-    for index, variable in enumerate(variables(tables), start=1):
+    for index, variable in enumerate(numbers, start=1):
         kind = "Real" if variable.unit else "Integer"
         facts = {"name": variable.name, "valueReference": str(references[kind])}
         facts |= {"description": variable.description}
@@ -222,6 +247,11 @@ def _build_library(sources: dict[str, str], name: str, platform: str) -> bytes:
             message = (result.stderr.splitlines() or ["no message"])[0]
             raise UnbuiltUnitError(f"{Path(compiler).name} could not build it: {message}")
         return library.read_bytes()
+
+
+def unit_platform(platform: str | None) -> str | None:
+    """A `platform` of FMI 2.0, checked; by default this machine's name in it, if it has one."""
+    return _this_platform() if platform is None else check_choice(platform, _SUFFIXES, "platform")
 
 
 def _this_platform() -> str | None:

@@ -21,7 +21,7 @@ int @name@_force(const real pressure[UNITS], real strain, real *force, real by_p
     int unit;
 
     for (unit = 0; unit < UNITS; unit++) {
-        point at = {0, 0, 0, 0};
+        point at = {0, 0, 0, 0, 0};
 
         if (known) at = muscle_at(kind_of[unit], pressure[unit], own(unit, strain));
         pull += count_of[unit] * at.force;

@@ -1,8 +1,8 @@
-/* @name@ as a co-simulation slave of FMI 2.0: the functions of @name@.h behind the standard's.
+/* @name@ as a co-simulation slave of FMI 2.0.
  *
  * The standard's types are declared here, so that nothing else is needed to build it:
  *
- *     gcc -O2 -std=c99 -shared -fPIC -o @name@.so fmu.c @name@.c -lm
+ *     gcc -O2 -std=c99 -shared -fPIC -o @name@.so @files@ -lm
  */
 #include "@name@.h"
 
@@ -27,96 +27,13 @@ typedef struct {
     void *environment;
 } callbacks;
 
-/* numbers by their references: inputs first */
-enum {
-    PRESSURE = 0,
-    STRAIN = @guard@_UNITS,
-    DEMAND,
-    SUPPLY_PRESSURE,
-#if @controls@
-    STRAIN_RATE,
-    MEASURED_FORCE,
-#endif
-    INPUTS,
-    FORCE = INPUTS,
-    VOLUME,
-    SETPOINT = VOLUME + @guard@_UNITS,
-    REACHED_FORCE = SETPOINT + @guard@_UNITS,
-#if @controls@
-    COMMAND,
-    NUMBERS = COMMAND + @guard@_UNITS
-#else
-    NUMBERS
-#endif
-};
-enum { RECRUITMENT_STATE, DEMAND_STATUS, INTEGERS };
-
-typedef struct {
-    const callbacks *host;
-    double of[NUMBERS];
-    int choice[INTEGERS];
-    double next; /* sample of the controller, counted from the start */
-    double start;
-#if @controls@
-    @name@_memory memory;
-#endif
-    char called[128];
-} slave;
-
-static const double sample_time = @sample_time@;
-
-static void begin(slave *it)
-{
-    memset(it->of, 0, sizeof it->of);
-    memset(it->choice, 0, sizeof it->choice);
-    it->of[SUPPLY_PRESSURE] = @supply_pressure@;
-    it->next = 0;
-    it->start = 0;
-#if @controls@
-    @name@_begin(&it->memory);
-#endif
-}
-
+@model@
 static status refuse(slave *it, const char *why)
 {
     const callbacks *host = it->host;
 
     if (host->log) host->log(host->environment, it->called, ERROR, "logStatusError", "%s", why);
     return ERROR;
-}
-
-static status look(slave *it)
-{
-    double *of = it->of;
-
-    if (@name@_force(of + PRESSURE, of[STRAIN], of + FORCE, NULL, NULL)
-        || @name@_volume(of + PRESSURE, of[STRAIN], of + VOLUME))
-        return refuse(it, "a strain or pressure is outside of the table: strains @low@ to @high@,"
-                          " pressures @lowest_pressure@ to @highest@ Pa");
-    it->choice[DEMAND_STATUS] =
-        @name@_pressures(of[DEMAND], of[STRAIN], of[SUPPLY_PRESSURE], of + SETPOINT,
-                         it->choice + RECRUITMENT_STATE, of + REACHED_FORCE);
-    return OK;
-}
-
-/* the controller's samples from now up to a time, which is one of the next */
-static status sampled(slave *it, double until)
-{
-#if @controls@
-    double *of = it->of;
-
-    while (it->start + it->next * sample_time < until - 1e-9 * sample_time) {
-        if (@name@_step(&it->memory, of[DEMAND], of[MEASURED_FORCE], of + PRESSURE,
-                        of[SUPPLY_PRESSURE], of[STRAIN], of[STRAIN_RATE], of + COMMAND))
-            return look(it);
-        it->next += 1;
-    }
-#else
-    UNUSED(it);
-    UNUSED(until);
-    UNUSED(sample_time);
-#endif
-    return OK;
 }
 
 EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
@@ -211,12 +128,9 @@ EXPORT status fmi2GetInteger(void *c, const unsigned vr[], size_t n, int value[]
 EXPORT status fmi2DoStep(void *c, double time, double step, int kept)
 {
     slave *it = (slave *)c;
-    status now;
 
     UNUSED(kept);
-    if (!(step > 0)) return refuse(it, "a step must be longer than 0 s");
-    now = look(it);
-    return now == OK ? sampled(it, time + step) : now;
+    return step > 0 ? advance(it, time, step) : refuse(it, "a step must be longer than 0 s");
 }
 
 /* what it doesn't have: numbers of other kinds, states to be kept, derivatives, steps that wait */

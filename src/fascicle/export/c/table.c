@@ -26,9 +26,10 @@ static const int kind_of[UNITS] = {@kind_of@};
 static const real count_of[UNITS] = {@counts@};
 static const real ratio_of[UNITS] = {@ratios@}; /* distance of the plates over its length */
 
-/* one muscle: force [N], volume [m3], force by strain [N] and by pressure [m2] */
+/* one muscle: force [N], volume [m3], force by strain [N] and by pressure [m2], volume by pressure
+ * [m3/Pa] */
 typedef struct {
-    real force, volume, by_strain, by_pressure;
+    real force, volume, by_strain, by_pressure, growth;
 } point;
 
 /* linear past the ends of the table */
@@ -78,11 +79,15 @@ static point muscle_at(int kind, real pressure, real strain)
         force = slope[0] + a * turned + b * slope_P[0] + c * slope_P[1];
         volume = by_P * (da * (value[1] - value[0]) + db * value_P[0] + dc * value_P[1]);
         by_both = by_P * (da * turned + db * slope_P[0] + dc * slope_P[1]);
+        found.growth = by_P * by_P * ((6 - 12 * u) * (value[1] - value[0])
+                                      + (6 * u - 4) * value_P[0] + (6 * u - 2) * value_P[1]);
+        if (i) found.growth -= volume / (2 * P);
         found.by_strain = bend[0] + a * (bend[1] - bend[0]) + b * bend_P[0] + c * bend_P[1];
     }
     found.force = (force + by_both * (pressure - P)) / (step * L0);
     found.volume = volume + by_both * (strain - eps) / step;
     found.by_pressure = by_both / (step * L0);
+    if (pressure != P) found.growth = 0;
     found.by_strain = strain == eps ? found.by_strain / (step * step * L0) : 0;
     return found;
 }
