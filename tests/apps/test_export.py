@@ -51,6 +51,17 @@ def test_a_unit_is_written_and_without_a_compiler_its_sources_are(fascicle, tmp_
     assert "sources/arm.c" in zipfile.ZipFile(tmp_path / "bare.fmu").namelist()
 
 
+def test_a_scenarios_plant_is_written_as_a_unit(fascicle, refused):
+    import shutil
+
+    if shutil.which("gcc"):
+        line = ("export", "ramp_pulses", "--fmu", "plant.fmu", "--plant", "--name", "bench")
+        assert fascicle(*line) == (0, "wrote plant.fmu\n", "")
+    refused("export ramp_pulses --table code --plant")
+    refused("export kim2021_figure_6 --fmu a.fmu --plant")
+    refused("export supply_runs_dry --fmu a.fmu --plant")
+
+
 def test_values_of_a_table_are_the_laws(fascicle, refused, tmp_path):
     import numpy as np
     import pandas as pd

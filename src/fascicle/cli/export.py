@@ -11,7 +11,7 @@ from ..io import atomic
 from . import options
 from .errors import UserError, user_errors
 from .inputs import is_path, read_bundle, read_list, read_scenario, read_target
-from .options import Text, option, with_options
+from .options import Text, flag, option, with_options
 from .outputs import Outputs, check_file, replace_output, write_text
 from .terminal import print_line, status
 
@@ -36,6 +36,7 @@ def export(
     units: options.Units = None,
     table: Text = option("Folder for force, volume and inverse as a table in C.", "FOLDER"),
     fmu: Text = option("Functional mock-up unit (.fmu) for co-simulation by FMI 2.0.", "PATH"),
+    plant: bool = flag("For --fmu: the scenario's plant, to be commanded by the host.", "--plant"),
     page: Text = option("Web page (.html) that draws FILE offline, in any browser.", "PATH"),
     values: Text = option("Force, volume and deflection: .csv, .json or .nc.", "PATH"),
     opensim: Text = option("OpenSim's McKibbenActuator (.xml), without the bladder.", "PATH"),
@@ -46,7 +47,7 @@ def export(
     ),
     precision: str = option("Number type of the table.", "double|float", default="double"),
     name: str = option("Prefix of file names and of names in C.", default="muscle"),
-    sample_time: Text = option("Step of the FMU; default: 1 ms, or the controller's.", "TIME"),
+    sample_time: Text = option("Step of the FMU; default: 1 ms, or the scenario's.", "TIME"),
     platform: Text = option(
         "Platform of the FMU's binary; default: this machine's. MinGW builds win64 elsewhere.",
         "linux64|darwin64|win64",
@@ -59,14 +60,16 @@ def export(
     control as FILE it adds one step of the controller. It has the inverse, `NAME_pressures`: the
     pressures for a force and a strain, as `fascicle recruit` chooses, or with `--moment-arm` those
     for a joint's torque and stiffness. `--fmu` packs that table for Simulink, OpenModelica and
-    other hosts; without a C compiler for the platform it holds sources only. `--page` writes one
-    file with sliders for pressure and contraction, which needs neither fascicle nor a network.
-    Later changes of FILE don't change what
-    was exported.
+    other hosts; without a C compiler for the platform it holds sources only. With `--plant` it is
+    a scenario's plant instead, whose valves the host commands. `--page` writes one file with
+    sliders for pressure and contraction, which needs neither fascicle nor a network. Later changes
+    of FILE don't change what was exported.
     """
     outputs = {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim}
     _check_outputs(table, outputs, pressure, overwrite)
-    target = _read_exported(file, units, page is not None)
+    if plant and (fmu is None or table or page or values or opensim):
+        raise UserError("--plant: a scenario's plant is written as a unit: give --fmu alone.")
+    target = _read_exported(file, units, page is not None, plant)
     is_table = table is not None and not any(outputs.values())
     tabulated = _as_joint(target, joint, is_table) if any(joint) else target
     from ..export.c_files import check_c_name
@@ -136,12 +139,16 @@ def _check_outputs(
             check_file(name, path, overwrite, _ENDINGS[name])
 
 
-def _read_exported(file: str, units: str | None, page: bool) -> Any:
-    """Read a muscle, a bundle, or a scenario's controller, which a `page` can't show."""
+def _read_exported(file: str, units: str | None, page: bool, plant: bool) -> Any:
+    """Read a muscle, a bundle, or a scenario's controller, which a `page` can't show; the scenario
+    itself if its `plant` is asked for.
+    """
     from ..files.muscle_files import read_file
 
     with user_errors():
         is_scenario = "load" in read_file(Path(file)) if is_path(file) else file in scenarios()
+    if plant and not is_scenario:
+        raise UserError(f"--plant: {file} is no scenario: give one, or drop --plant.")
     if not is_scenario:
         return read_target(file) if units is None else read_bundle(file, units)
     if units is not None:
@@ -149,6 +156,8 @@ def _read_exported(file: str, units: str | None, page: bool) -> Any:
     if page:
         raise UserError(f"--page: {file} is a scenario, a page is of a bundle: give --table.")
     scenario = read_scenario(file)
+    if plant:
+        return scenario
     if scenario.control:
         return scenario.control.controller
     from ..export.controller import single_bundle
@@ -173,11 +182,16 @@ def _write_fmu(
 ) -> None:
     """Write a unit for co-simulation; without a compiler its sources, and an error."""
     from ..export.fmu import UnbuiltUnitError  # needs JAX, a table doesn't
+    from ..files.scenario import Scenario
 
     message = ""
     with status("computing the table, building the unit"), replace_output("", fmu, overwrite) as x:
         try:
-            exports.write_fmu(target, x, name, sample_time, platform)
+            if isinstance(target, Scenario):
+                dt = target.dt if sample_time is None else sample_time
+                exports.write_plant_fmu(target.plant, x, name, target.start, dt, platform)
+            else:
+                exports.write_fmu(target, x, name, sample_time, platform)
         except UnbuiltUnitError as error:
             message = f"{error}"
     if message:

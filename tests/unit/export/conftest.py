@@ -34,3 +34,32 @@ def compile_c():
 def make_muscle():
     """A muscle with laws by keyword."""
     return lambda **laws: fs.Muscle(0.127, 6.35e-3, 1.6e-3, math.radians(33), **laws)
+
+
+@pytest.fixture
+def load_unit(tmp_path):
+    """A unit, unpacked and initialized, as a host does, and its references by name."""
+    fmpy = pytest.importorskip("fmpy", reason="FMPy runs the units")
+    from fmpy.fmi2 import FMU2Slave
+
+    units = []
+
+    def load(path):
+        folder = tmp_path / "unpacked"
+        fmpy.extract(str(path), str(folder))
+        description = fmpy.read_model_description(str(path))
+        unit = FMU2Slave(
+            guid=description.guid, unzipDirectory=str(folder),
+            modelIdentifier=description.coSimulation.modelIdentifier, instanceName="unit",
+        )  # fmt: skip
+        unit.instantiate()
+        unit.setupExperiment(startTime=0.0)
+        unit.enterInitializationMode()
+        unit.exitInitializationMode()
+        units.append(unit)
+        return unit, {x.name: x.valueReference for x in description.modelVariables}
+
+    yield load
+    for unit in units:
+        unit.terminate()
+        unit.freeInstance()

@@ -37,34 +37,6 @@ def controller(bundle):
     return control.cascade(plant, "threshold", gains=slow, dt=1e-3, sample_time=2e-3)
 
 
-@pytest.fixture
-def load_unit(tmp_path):
-    """A unit, unpacked and initialized, as a host does, and its references by name."""
-    from fmpy.fmi2 import FMU2Slave
-
-    units = []
-
-    def load(path):
-        folder = tmp_path / "unpacked"
-        fmpy.extract(str(path), str(folder))
-        description = fmpy.read_model_description(str(path))
-        unit = FMU2Slave(
-            guid=description.guid, unzipDirectory=str(folder),
-            modelIdentifier=description.coSimulation.modelIdentifier, instanceName="unit",
-        )  # fmt: skip
-        unit.instantiate()
-        unit.setupExperiment(startTime=0.0)
-        unit.enterInitializationMode()
-        unit.exitInitializationMode()
-        units.append(unit)
-        return unit, {x.name: x.valueReference for x in description.modelVariables}
-
-    yield load
-    for unit in units:
-        unit.terminate()
-        unit.freeInstance()
-
-
 def names_in(path):
     with zipfile.ZipFile(path) as archive:
         return set(archive.namelist())

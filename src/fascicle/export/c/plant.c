@@ -30,9 +30,9 @@ static const double density[UNITS] = {@reference_density@}, bulk[UNITS] = {@bulk
 static const double vapor[UNITS] = {@vapor_pressure@}, compliance[UNITS] = {@compliance@};
 #else
 static const double gas_constant[UNITS] = {@specific_gas_constant@}; /* [J/(kg K)] */
-static const double heat_ratio[UNITS] = {@heat_capacity_ratio@};
 #endif
 #if CHAMBER == WALL
+static const double heat_ratio[UNITS] = {@heat_capacity_ratio@};
 static const double conductance[UNITS] = {@conductance@}; /* [W/K] */
 #endif
 
@@ -44,7 +44,9 @@ static const double valves[2][UNITS][5] = {
 @valves@
 };
 
+#if SPOOL != SOLENOID
 static const double overlap[UNITS] = {@overlap@};
+#endif
 #if SPOOL == SERVOVALVE
 static const double time_constant[UNITS] = {@time_constant@}; /* [s] */
 #elif SPOOL == SOLENOID
@@ -59,10 +61,10 @@ static const double pace = 2 * 3.14159265358979323846 * @frequency@; /* [rad/s] 
 static const double mass = @mass@, damping = @damping@;           /* [kg], [N s/m] */
 static const double steady_force = @steady_force@;                /* [N] */
 static const double spring = @spring@, spring_rest = @spring_rest@; /* [N/m], [m] */
-#endif
 static const int has_stop = @has_stop@;
 static const double stop_low = @stop_low@, stop_high = @stop_high@;             /* [m] */
 static const double stop_stiffness = @stop_stiffness@, stop_damping = @stop_damping@;
+#endif
 
 /* `chamber`: mass [kg], and behind a wall the internal energy [J] */
 typedef struct {
@@ -241,6 +243,7 @@ static void openings(int unit, double command, double spool, double open[2])
 #endif
 }
 
+#if !PRESCRIBED
 static double stop_force(double position, double velocity)
 {
     const double over = fmax(position - stop_high, 0), under = fmax(stop_low - position, 0);
@@ -252,6 +255,7 @@ static double stop_force(double position, double velocity)
     if (!has_stop) return 0;
     return over > 0 ? fmax(total, 0) : under > 0 ? -fmax(-total, 0) : 0;
 }
+#endif
 
 static evaluation evaluate(const state *s, const action *from)
 {
@@ -310,12 +314,12 @@ static evaluation evaluate(const state *s, const action *from)
         if (eps < strains[0] || eps > strains[1] || P > top[kind_of[i]]) it.flags |= OFF_TABLE;
         if (fabs(at.residual / usable(&at, at.slope)) > 1 + 1e-4 * fabs(P)) it.flags |= UNSETTLED;
     }
-    if (has_stop && (q > stop_high || q < stop_low)) it.flags |= AT_STOP;
     it.rate.position = v;
     it.rate.velocity = 0;
 #if PRESCRIBED
     (void)outside;
 #else
+    if (has_stop && (q > stop_high || q < stop_low)) it.flags |= AT_STOP;
     outside = steady_force - spring * (q - spring_rest) - damping * v + from->force;
     it.rate.velocity = (it.pull + outside - stop_force(q, v)) / mass;
 #endif
