@@ -85,14 +85,16 @@ def write_plant_fmu(
     check_c_name(name)
     step = float(check_positive(dt, "dt", "s", "such as 0.001"))
     _check_parts(plant)
+    assert isinstance(plant.muscles, MuscleTables)
     begin = equilibrium_state(plant) if start is None else start
     estimate = estimate_substeps(plant, step)
     if estimate.stiff:
         remedy = f"take a smaller one: {estimate.part} is faster"
         raise InvalidInputError("dt", "must be at most 64 of the stable steps", step, remedy)
-    nodes = np.add(plant.muscles.table.coefficients.shape[-4:-2], 1)  # as many as `simulate` has
+    lines, columns = plant.muscles.table.coefficients.shape[-4:-2]
+    shape = lines + 1, columns + 1  # nodes, as many as `simulate` has
     top = float(np.max(plant.muscles.highest_pressure))
-    tables = tabulate(plant.bundles[0], highest_pressure=top, shape=(int(nodes[0]), int(nodes[1])))
+    tables = tabulate(plant.bundles[0], highest_pressure=top, shape=shape)
     header, table = tables.code(name)
     values = _template_values(plant, begin, step / estimate.substeps)
     values |= {"name": name, "guard": name.upper(), "files": f"{name}.c"}
