@@ -219,8 +219,8 @@ def test_force_and_supply_are_inputs(load_unit, tmp_path):
 
 
 def test_the_step_error_is_far_below_the_tables(load_unit, tmp_path):
-    """Against steps a sixteenth as long, whose own error is nothing beside it: of a method of fourth
-    order 16^4 times less. It was 7e-7 of the velocity, and the table's is 1e-4 of the force.
+    """Against steps a sixteenth as long, whose own error is nothing beside it: a method of fourth
+    order leaves 16^4 times less. It was 7e-7 of the velocity, and the table's is 1e-4 of the force.
     """
     host = Host(lifted(), load_unit, tmp_path / "bench.fmu")
     ends = []
