@@ -211,12 +211,10 @@ def _damping(calibration: Calibration) -> dict[str, Any]:
         return {}
     if (law := calibration.damping.law) is None:
         return {"kind": "none"}
-    table = {"kind": "viscous"}
-    for way in ("shortening", "lengthening"):
-        table[way] = pretty(float(getattr(law, way)), "damping", _ERROR_DIGITS)
-        slope = float(getattr(law, f"{way}_slope"))
-        table[f"{way}_slope"] = pretty(slope, "damping_slope", _ERROR_DIGITS)
-    return table
+    units = dict.fromkeys(("shortening", "lengthening"), "damping")
+    units |= {f"{way}_slope": "damping_slope" for way in units}
+    texts = {k: pretty(float(getattr(law, k)), unit, _ERROR_DIGITS) for k, unit in units.items()}
+    return {"kind": "viscous", **texts}
 
 
 def _parameter(estimate: Estimate) -> dict[str, Any]:

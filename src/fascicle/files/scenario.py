@@ -501,11 +501,9 @@ def _with_measured(
     if numbers.get("kind") == "none":
         return {key: value for key, value in data.items() if key != part}
     if any(key not in numbers for key in _MEASURED[part]):
-        records = {
-            "hysteresis": "friction: `fascicle calibrate` finds it in records of both ways",
-            "damping": "damping: `fascicle calibrate` finds it in records of two speeds",
-        }
-        raise root.error((part, "kind"), f"{name} has no {records[part]}.")
+        need = "of two speeds" if part == "damping" else "of both ways"
+        rule = f"{name} has no {part}: `fascicle calibrate` finds it in records {need}."
+        raise root.error((part, "kind"), rule)
     return data | {part: {key: numbers[key] for key in _MEASURED[part]}}
 
 

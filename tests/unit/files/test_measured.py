@@ -104,14 +104,16 @@ def two_speeds(speeds):
 DAMPING = '[damping]\nkind = "measured"\n'
 
 
-@pytest.mark.parametrize("files", [1, 2])
-def test_plant_has_the_measured_damping_beside_springs_without_it(files, tmp_path):
-    record = two_speeds([5e-3, 50e-3])
-    if files == 2:  # each with a clock of its own
-        parts = [two_speeds([speed]) for speed in (5e-3, 50e-3)]
-        named = [replace(x, sources=(Source(f"{i}", "0" * 64),)) for i, x in enumerate(parts)]
-        record = join(named)
-    calibration = fit(record, NOMINAL, ["c10"], whole=False)
+@pytest.fixture(scope="module")
+def damped():
+    """A calibration to a file for each speed, with a clock of its own."""
+    parts = [two_speeds([speed]) for speed in (5e-3, 50e-3)]
+    named = [replace(x, sources=(Source(f"{i}", "0" * 64),)) for i, x in enumerate(parts)]
+    return fit(join(named), NOMINAL, ["c10"], whole=False)
+
+
+def test_plant_has_the_measured_damping_beside_springs_without_it(damped, tmp_path):
+    calibration = damped
     fs.save(calibration.muscle, tmp_path / "muscle.toml", provenance_of(calibration, "2026-11-22"))
     scenario = loads_scenario(SCENARIO.replace("[run]", f"{DAMPING}[run]"), folder=tmp_path)
     law, fitted = scenario.plant.damping, calibration.damping.law
@@ -126,10 +128,8 @@ def test_plant_has_the_measured_damping_beside_springs_without_it(files, tmp_pat
     assert damping_message(calibration)
 
 
-@pytest.mark.parametrize("units", [(1,), (2, 1, 3)])
-def test_a_calibrated_muscle_lifts_a_mass_with_its_friction(units, tmp_path):
-    calibration = fit(two_speeds([5e-3, 50e-3]), NOMINAL, ["c10"], whole=False)
-    path = tmp_path / "muscle.toml"
+def test_a_calibrated_muscle_lifts_a_mass_with_its_friction(damped, tmp_path):
+    calibration, path, units = damped, tmp_path / "muscle.toml", (2, 1)
     fs.save(calibration.muscle, path, provenance_of(calibration, "2026-11-22"))
     bundle = fs.Bundle([fs.MotorUnit(calibration.muscle, count) for count in units])
     scenario = lift_scenario(bundle, "muscle", path)
