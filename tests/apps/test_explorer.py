@@ -262,6 +262,14 @@ def test_the_bundles_tab_shows_its_space_and_pressures_for_a_point(visit):
     assert source(page, "turn")["y"] == pytest.approx([turn.free_strain])
     reach = float(bundle.free_strain([344.7e3, 69e3]))
     assert source(page, "free_strain_point")["y"] == pytest.approx([reach])
+    # a hand opens the valve of unit 2, and the bundle's free strain follows the curve
+    drag(page, page.locator(".bk-Figure").nth(1).bounding_box(), (0.3, 0.3), (0.6, 0.3))
+    until(page, f"() => ({SOURCE})('free_strain_point').x[0] > 120")
+    until(page, f"() => ({SOURCE})('free_strain_point').y[0] !== {reach!r}")
+    page.wait_for_timeout(500)  # ms: the last step of the hand
+    valve = source(page, "free_strain_point")
+    reach = float(bundle.free_strain([344.7e3, 1e3 * valve["x"][0]]))
+    assert valve["y"] == pytest.approx([reach])
     # a click in the middle of the space
     figure = page.locator(".bk-Figure").first
     box = figure.bounding_box()
@@ -282,11 +290,12 @@ def test_the_bundles_tab_shows_its_space_and_pressures_for_a_point(visit):
         "x => Math.abs(new URLSearchParams(location.search).get('strain') - x) < 1e-4",
         arg=target["x"][0],
     )
+    before = source(page, "bundle_force")["force"][0]
     solution.click()
     until(
         page,
         f"old => Math.abs(({SOURCE})('bundle_force').force[0] - old) > 1e-6",
-        arg=shown["force"][0],
+        arg=before,
     )
     now = source(page, "bundle_force")
     reached = np.interp(target["x"][0], now["strain"], now["force"])

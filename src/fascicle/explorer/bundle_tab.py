@@ -43,7 +43,7 @@ _FREE_STRAIN_HEIGHT = "var(--figure-height, clamp(200px, 26vh, 400px))"
 class UnitInputs(NamedTuple):
     """Inputs of a motor unit: count and radius of its muscles, and its pressure."""
 
-    muscles: pn.widgets.IntInput
+    muscles: ui.Field
     radius: ui.Field
     pressure: ui.QuantitySlider
 
@@ -64,10 +64,10 @@ class UnitRows:
         if len(self.rows) != len(view.units):
             self.rows = self.rows[: len(view.units)]
             self.rows += [self._make_row(i) for i in range(len(self.rows), len(view.units))]
-            parts = [(r.muscles, *r.radius.widgets, r.pressure.panel) for r in self.rows]
+            parts = [(*r.muscles.widgets, *r.radius.widgets, r.pressure.panel) for r in self.rows]
             self.panel.objects = [*self._buttons, self.message.pane, *sum(parts, ())]
         for inputs, unit in zip(self.rows, view.units, strict=True):
-            inputs.muscles.value = unit.count
+            inputs.muscles.show(unit.count, "")
             radius = float(view.muscle_of(unit).outer_radius)
             inputs.radius.show(radius, view.display_units["length"])
         self.message.show("")
@@ -84,18 +84,16 @@ class UnitRows:
 
     def _make_row(self, i: int) -> UnitInputs:
         label, set_count = f"Unit {i + 1}: muscles", partial(self._set_count, i)
-        # without limits: at those the browser would refuse without a word
-        count = ui.widget(pn.widgets.IntInput, label, set_count, value=1)
+        count = ui.Field(label, "count", "number", set_count)
         radius = ui.Field("Radius", "radius", "length", partial(self._set_radius, i))
         label, set_pressure = f"Pressure P{i + 1}", partial(self.set_pressure, i)
         pressure = ui.QuantitySlider(label, "pressure", "pressure", set_pressure)
         return UnitInputs(count, radius, pressure)
 
-    def _set_count(self, i: int, count: int | None) -> None:
-        with self.message.errors():
-            if count is None:
-                raise InvalidInputError("count", "must be a whole number", None)
-            self._set_unit(i, replace(self._session.view.units[i], count=count))
+    def _set_count(self, i: int, count: float) -> None:
+        if not count.is_integer():
+            raise InvalidInputError("count", "must be a whole number", count)
+        self._set_unit(i, replace(self._session.view.units[i], count=int(count)))
 
     def _set_radius(self, i: int, radius: float) -> None:
         view = self._session.view

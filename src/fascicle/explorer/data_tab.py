@@ -12,7 +12,7 @@ import panel as pn
 from ..calibrate import Selection
 from ..calibrate.data import assign_levels
 from ..calibrate.parameters import parameters_of
-from ..core.validation import HIGHEST_PRESSURE
+from ..core.validation import HIGHEST_PRESSURE, check_positive
 from ..files.calibration_files import calibrated_files
 from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain
@@ -166,8 +166,10 @@ class RecordInputs:
     """Fields for information that a record's file lacks; a `change` reads it again."""
 
     def __init__(self, change: Callable[[object], None]):
-        label = "Rest length, if the record doesn't have it"
-        self.length = ui.widget(pn.widgets.TextInput, label, change)
+        label, self._change = "Rest length, if the record doesn't have it", change
+        set_length = self._set_length
+        self.length = ui.Field(label, "rest_length", "length", set_length, optional=True)
+        self._length: float | None = None
         label = "A force of exactly 0 means 0 or less"
         self.clipped = ui.widget(pn.widgets.Checkbox, label, change, margin=(6, 8))
         self.columns, self.units = (
@@ -176,15 +178,21 @@ class RecordInputs:
         )
         pairs = [w for role in _ROLES for w in (self.columns[role], self.units[role])]
         fields = ui.fold("Columns and units", ui.column(*pairs, kind="pairs"))
-        self.panel = ui.column(self.length, self.clipped, fields)
+        self.panel = ui.column(*self.length.widgets, self.clipped, fields)
 
-    def options(self, length_unit: str) -> dict[str, object]:
-        """Arguments of `records.load`; a bare rest length is in the `length_unit`."""
-        text = self.length.value.strip()
+    def show(self, view: View) -> None:
+        self.length.show(self._length, view.display_units["length"])
+
+    def _set_length(self, value: float | None) -> None:
+        self._length = None if value is None else float(check_positive(value, "rest_length", "m"))
+        self._change(value)
+
+    def options(self) -> dict[str, object]:
+        """Arguments of `records.load`."""
         options = {
             "columns": {r: w.value.strip() for r, w in self.columns.items() if w.value.strip()},
             "units": {r: w.value.strip() for r, w in self.units.items() if w.value.strip()},
-            "rest_length": text and ui.parse_field(text, "length", length_unit, "rest_length"),
+            "rest_length": self._length,
             "clipped_at_zero": self.clipped.value,
         }
         return {name: value for name, value in options.items() if value}
@@ -260,6 +268,7 @@ class DataView(Tab):
 
     def draw(self, view: View) -> None:
         self.chart.figure.yaxis[0].axis_label = f"Force F [{view.display_units['force']}]"
+        self.read_inputs.show(view)
         record, fit = self.record, self.fit
         if record is None:
             return
@@ -316,12 +325,7 @@ class DataView(Tab):
         view, name = self.session.view, self.file_name
         if not name:
             return
-        try:
-            options = self.read_inputs.options(view.display_units["length"])
-        except ValueError as error:
-            self.message.show(error)
-            return
-        raw = self._raw
+        raw, options = self._raw, self.read_inputs.options()
         self.status.object = ui.status_line(f"reading {ui.text_html(name)}")
         self._reads.request(lambda: (raw, read_record(raw, name, view.muscle, options)))
 

@@ -138,6 +138,17 @@ def test_a_name_is_never_opened():
         read_record(b"a,b\n1,2\n", "/etc/passwd", MUSCLE)
 
 
+def test_a_rest_length_is_refused_at_its_field(tab):
+    field = tab.read_inputs.length
+    send(tab, HALF)
+    before = tab.record
+    for text in ("-1", "three"):
+        field.input.value = text
+        assert field.message.text and tab.record is before
+    field.input.value = "1 m"
+    assert not field.message.text and tab.record.strain.max() == pytest.approx(0.075)
+
+
 def test_columns_and_units_can_be_given():
     raw = b"A,B,C\n0,10,100\n5,8,100\n10,5,100\n"
     options = {
