@@ -61,16 +61,19 @@ class FittedDamping:
     """Damping of a record.
 
     - `shortening`, `lengthening`: of either direction; `None` without two speeds.
-    - `reason`: why both are unknown: "no_sweeps" with times, "one_speed", or empty.
-    - `speeds`: the lowest and the highest mean speed of a sweep [m/s]; NaN without sweeps.
+    - `speeds`: the lowest and the highest mean speed of a sweep [m/s]; NaN without sweeps in time.
     - `velocity`: of contraction at each reading [m/s], zero where unknown.
     """
 
     shortening: DirectionDamping | None
     lengthening: DirectionDamping | None
-    reason: str
     speeds: tuple[float, float]
     velocity: np.ndarray
+
+    @property
+    def unknown(self) -> list[str]:
+        """Directions without two speeds, "shortening" and "lengthening"."""
+        return [name for name in ("shortening", "lengthening") if getattr(self, name) is None]
 
     @property
     def law(self) -> Damping | None:
@@ -101,9 +104,8 @@ def fit_damping(record: Record, errors: np.ndarray, length: float) -> FittedDamp
             if speeds and max(speeds) >= _MIN_RATIO * min(speeds):
                 levels.append(pieces)
     up, down = (_fit_direction(record, errors, velocity, levels) for levels in compared.values())
-    reason = "" if up or down else "one_speed" if mean_speeds else "no_sweeps"
     ends = min(mean_speeds, default=np.nan), max(mean_speeds, default=np.nan)
-    return FittedDamping(up, down, reason, ends, velocity)
+    return FittedDamping(up, down, ends, velocity)
 
 
 def _pieces(time: np.ndarray, points: np.ndarray) -> list[np.ndarray]:

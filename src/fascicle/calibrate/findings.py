@@ -171,9 +171,9 @@ def _of_use(calibration: Calibration) -> Iterator[Finding]:
     """No loop of friction, strains by a fitted length, and sizes that contradict the given ones."""
     if calibration.loop is None:
         yield _note("use.no_loop")
-    if reason := calibration.damping.reason:
+    if directions := calibration.damping.unknown:
         slow, fast = calibration.damping.speeds
-        yield _note("use.damping_unknown", reason=reason, slowest=slow, fastest=fast)
+        yield _note("use.damping_unknown", directions=directions, slowest=slow, fastest=fast)
     if "active_length" in calibration.names:
         length, reference = float(calibration.muscle.length), calibration.record.rest_length
         yield _note("use.fitted_length", length=length, reference=reference)

@@ -207,7 +207,7 @@ def _springs(calibration: Calibration) -> dict[str, Any]:
 
 def _damping(calibration: Calibration) -> dict[str, Any]:
     """Keys of a scenario's `[damping]`; empty if it is unknown."""
-    if calibration.damping.reason:
+    if len(calibration.damping.unknown) == 2:
         return {}
     if (law := calibration.damping.law) is None:
         return {"kind": "none"}

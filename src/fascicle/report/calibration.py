@@ -255,7 +255,7 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         law, facts = friction.law, pick(friction, "breakaway", "rmse", "pressures")
         constants = {name: [] for name in springs} if law is None else pick(law, *springs)
         content["friction"] = {**constants, "determined": list(friction.resolved), **facts}
-    damping = content["damping"] = pick(fit.damping, "reason", "speeds")
+    damping = content["damping"] = pick(fit.damping, "speeds")
     for way in ("shortening", "lengthening"):
         keys, side = ("coefficients", "covariance", "pressures"), getattr(fit.damping, way)
         damping[way] = None if side is None else pick(side, *keys)

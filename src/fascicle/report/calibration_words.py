@@ -340,7 +340,7 @@ def hysteresis_message(calibration: Calibration) -> str:
 def damping_message(calibration: Calibration) -> str:
     """Friction by speed, in a line; empty if it is unknown."""
     damping = calibration.damping
-    if damping.reason:
+    if len(damping.unknown) == 2:
         return ""
     texts = []
     for name in ("shortening", "lengthening"):
@@ -531,11 +531,12 @@ def _fitted_length(data: Data) -> str:
 
 
 def _damping_unknown(data: Data) -> str:
+    directions = " and while ".join(data["directions"])
     why = "there are no sweeps at constant pressure with times"
-    if data["reason"] == "one_speed":
+    if data["slowest"] > 0:
         slow, fast = (f"{1e3 * data[key]:.3g}" for key in ("slowest", "fastest"))
         why = f"sweeps at one pressure have one speed ({slow} to {fast} mm/s in all)"
-    return f"Damping, friction that grows with the speed, is unknown: {why}."
+    return f"Damping, friction that grows with the speed, is unknown while {directions}: {why}."
 
 
 def _other_size(data: Data) -> str:
