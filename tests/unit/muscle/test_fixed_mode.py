@@ -47,6 +47,12 @@ def test_without_compression_the_share_is_its_limit():
     assert_allclose(slope, -SLENDER * (SLENDER + 5.75), rtol=1e-12)
 
 
+def test_a_vanishing_moment_has_the_slope_of_its_limit():
+    # ξ = m/√c to first order; (16c) as it stands has two roots that meet there, and a slope of 0
+    slope = jax.vmap(jax.grad(lambda c, m: compression_at_moment(c, m)[0], 1), (0, None))
+    assert_allclose(slope(jnp.asarray(SLENDER), 0.0), 1 / np.sqrt(SLENDER), rtol=1e-14)
+
+
 @pytest.mark.parametrize("part", [1e-9, 1e-3, 0.1, 0.5, 0.9, 0.999, 1 - 1e-7])
 def test_a_moment_is_first_reached_there(part):
     places = np.linspace(0, 1, 20_001)[1:-1]

@@ -321,6 +321,7 @@ class _Fits(NamedTuple):
 
 def _fit_polynomials() -> _Fits:
     """The elastica's polynomials, fitted at points computed from $K$ and $E$."""
+    # a search for m at each load would need dK/dm and dE/dm, which are 0/0 at the onset, m = 0
     low, high = -0.03, _ENDS_MEET + 0.02  # beyond both ends, where a search may step
     # many more points than the degree needs, so that nothing is aliased
     m = 0.5 * (low + high) + 0.5 * (high - low) * chebyshev.chebpts1(200)

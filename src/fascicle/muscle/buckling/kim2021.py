@@ -38,14 +38,15 @@ $$c(\xi) = \frac{(1 + \xi) \hat m^2 \sqrt{1 - g/(2 - \xi)}}{\xi g (1 - \xi) (1 -
   g = w \xi = \xi - \hat m^2 (1 - \xi)^3. \tag{16c}$$
 
 A more slender column reaches it, first at a smaller $\xi$, a stubbier one than the least $c(\xi)$
-never does. Of a small moment $g$ and $\xi$ are nearly equal, and the compression
-$\kappa = \hat m/\sqrt c$: with $\tau = \xi/\kappa$,
+never does. At a small moment the compression is $\kappa = \hat m/\sqrt c$: with
+$\tau = \xi/\kappa$,
 
 $$(1 - \xi)\, \tau \hat g\, (1 - \kappa \hat g)
   = (1 + \xi) \sqrt{1 - \kappa \hat g/(2 - \xi)}, \qquad
   \hat g = \frac{g}{\kappa} = \tau - c \kappa (1 - \xi)^3, \tag{16d}$$
 
-is (16c) in a variable that tends to 1 as the moment vanishes, and loses no digit there.
+is (16c) in a variable that tends to 1 as the moment vanishes. There two roots in $\xi$ meet, and
+the slope would be lost.
 
 **Sign:** tension positive. **Valid for** $\varepsilon \ge \varepsilon_f$.
 **Assumes** the first mode's shape, small slopes; against the exact elastica (12) is 1.4
