@@ -119,13 +119,10 @@ class Joint:
         wrong = JointStatus.STIFFNESS_TOO_HIGH, JointStatus.STIFFNESS_TOO_LOW
         status = np.where(excess[nearest, batch] < 0, *wrong)
         status = np.where(crossed, JointStatus.REACHED, status)
-        # a torque that no pair of pressures gives: one of them full, the other empty
-        unreachable, full = ~feasible.any(axis=0), np.where(tau > 0, self.highest_pressure, 0.0)
+        # a torque that no pair of pressures gives: the largest or the least
+        unreachable = ~feasible.any(axis=0)
         status = np.where(unreachable, JointStatus.TORQUE_OUT_OF_REACH, status)
-        P1, P2 = (
-            np.where(unreachable, full, P1),
-            np.where(unreachable, self.highest_pressure - full, P2),
-        )
+        P1, P2 = np.where(unreachable, self._extreme_pressures(theta, tau), (P1, P2))
         result = P1, P2, *self._evaluate(P1, P2, theta), status
         return JointPressures(*(np.reshape(row, rows[0].shape)[()] for row in result))
 
@@ -168,22 +165,51 @@ class Joint:
         first, second = float(self.agonist.length), float(self.antagonist.length)
         return self.strain + shortening / first, self.strain - shortening / second
 
+    def _end_forces(self, angle: Numbers) -> tuple[Numbers, Numbers]:
+        """Forces [N] of agonist and antagonist at an `angle` [rad], empty and full on the first
+        axis.
+        """
+        ends = np.array([[0.0], [self.highest_pressure]])
+        bundles = zip((self.agonist, self.antagonist), self._strains(angle), strict=True)
+        first, second = (_pull(bundle, ends, strain)[0] for bundle, strain in bundles)
+        return first, second
+
+    def _extreme_pressures(self, angle: Numbers, torque: Numbers) -> Numbers:
+        """Pressures [Pa] of the largest torque at an `angle` [rad], where a `torque` [N·m] is too
+        large, or else of the least, each muscle empty or full.
+        """
+        first, second = self._end_forces(angle)
+        middle = self.moment_arm * np.mean(first - second, axis=0)
+        return self.highest_pressure * np.where(
+            torque > middle,
+            (np.argmax(first, axis=0), np.argmin(second, axis=0)),
+            (np.argmin(first, axis=0), np.argmax(second, axis=0)),
+        )
+
     def _curve_nodes(self, angle: Numbers, torque: Numbers) -> Numbers:
         """Pressures of the agonist [Pa], nodes on the first axis, on the curve of a `torque` [N·m]
         at an `angle` [rad]: from where one of both is empty to where one is full. NaN if there is
         no such curve.
         """
-        empty, full = 0.0 * torque, 0.0 * torque + self.highest_pressure
-        excess = self._excess_torque
-        low, high = (
-            elementwise.find_root(excess, (empty, full), args=(antagonist, angle, torque)).x
-            for antagonist in (empty, full)
-        )
-        low = np.where(excess(empty, empty, angle, torque) >= 0, 0.0, low)
-        high = np.where(excess(full, full, angle, torque) <= 0, self.highest_pressure, high)
+        first, second = self._end_forces(angle)
+        # forces of the agonist that the antagonist balances, as far as it has them
+        balanced = np.sort(second, axis=0) + torque / self.moment_arm
+        low, high = np.sort(first, axis=0)
+        exists = (balanced[0] <= high) & (balanced[1] >= low)
+        strain, ends = self._strains(angle)[0], (0.0 * angle, 0.0 * angle + self.highest_pressure)
+        pressures = []
+        for force in np.clip(balanced, low, high):
+            root = elementwise.find_root(
+                lambda P, eps, force: _pull(self.agonist, P, eps)[0] - force,
+                ends,
+                args=(strain, force),
+            ).x
+            root = np.where(force == first[0], ends[0], np.where(force == first[1], ends[1], root))
+            pressures.append(np.where(exists, root, np.nan))
+        start, end = np.sort(pressures, axis=0)
         # just inside: at an end itself rounding decides whether the antagonist's pressure exists
         fraction = EDGE + (1 - 2 * EDGE) * np.linspace(0.0, 1.0, NODES)[:, None] ** 2
-        return low + fraction * (high - low)
+        return start + fraction * (end - start)
 
     def _antagonist_pressure(self, agonist: Numbers, angle: Numbers, torque: Numbers) -> Numbers:
         """Pressure of the antagonist [Pa] with which a pressure of the `agonist` [Pa] gives a

@@ -94,6 +94,24 @@ def test_out_of_reach_is_a_status_and_the_nearest(joint):
     assert np.all(np.isnan(joint.stiffness_range(ANGLE, 900.0)))
 
 
+@pytest.mark.parametrize("strain", [0.12, 0.25])
+def test_a_torque_is_reached_between_the_largest_and_the_least(thick, strain):
+    weak = fs.Bundle([fs.MotorUnit(thick)], supply_pressure=1e5)
+    rng = np.random.default_rng(2)
+    angle, torque = rng.uniform(-0.6, 0.6, 60), rng.uniform(-60, 60, 60)
+    result = fs.Joint(weak, weak, ARM, strain).pressures(angle, torque, 100.0)
+    # each muscle empty or full: far contracted, it resists more when it is full
+    first, second = (
+        [thick.force(P, strain + sign * ARM * angle / 0.3) for P in (0.0, 1e5)] for sign in (1, -1)
+    )
+    torques = ARM * np.array([one - other for one in first for other in second])
+    nearest = np.clip(torque, torques.min(axis=0), torques.max(axis=0))
+    np.testing.assert_allclose(result.torque, nearest, atol=1e-8)
+    unreachable = result.status == JointStatus.TORQUE_OUT_OF_REACH
+    assert_array_equal(unreachable, nearest != torque)
+    assert 0.1 < np.mean(unreachable) < 1
+
+
 def test_bundles_have_one_pressure_and_their_supply(thick, joint):
     pair = fs.Bundle([fs.MotorUnit(thick, 2)], supply_pressure=3e5)
     result = fs.Joint(pair, pair, ARM, STRAIN).pressures(ANGLE, 10.0, 120.0)

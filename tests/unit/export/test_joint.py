@@ -140,6 +140,23 @@ def test_it_chooses_as_python_does_on_the_law(count, joint, build):
     assert np.all(np.abs(reached[1] - expected.stiffness)[same & (status > 0)] <= errors[3])
 
 
+@pytest.mark.parametrize("strain", [0.12, 0.25])
+def test_a_weak_supply_reaches_the_same_torques(strain, thick, build):
+    """Stretched or far contracted, a torque out of reach is one beyond the nearest of the ends."""
+    weak = fs.Bundle([fs.MotorUnit(thick)], supply_pressure=1e5)
+    pair = fs.Joint(weak, weak, ARM, strain)
+    rng = np.random.default_rng(2)
+    demand = rng.uniform(-0.6, 0.6, 60), rng.uniform(-60, 60, 60), np.full(60, 100.0)
+    status, P, *reached = pressures_in_c(build(pair), *demand, 1e5)
+    expected = pair.pressures(*demand)
+    assert np.mean(status == expected.status) > 0.95 and len(set(status)) > 1
+    same = status == expected.status
+    largest = stated_errors(pair)[0]
+    np.testing.assert_allclose(reached[0][same], expected.torque[same], rtol=0, atol=largest)
+    beyond = same & (status == JointStatus.TORQUE_OUT_OF_REACH)
+    np.testing.assert_array_equal(P[:, beyond], np.stack(expected[:2])[:, beyond])
+
+
 def test_bundles_have_one_pressure_and_another_supply_is_a_lower_one(unlike, build):
     library = build(unlike)
     rng = np.random.default_rng(5)

@@ -121,6 +121,22 @@ static int find(const side *at, real force, place *found)
     return 1;
 }
 
+/* of an empty and a full side, that which pulls more or less */
+static place end_of(const side *at, int more)
+{
+    return (at->full > at->force[0]) == more ? at->supply : place_of(0);
+}
+
+/* find where a side gives a force, or as near as it comes; returns 0 if it doesn't */
+static int begin_curve(const side *at, real force, place *found)
+{
+    const int beyond = force >= larger(at->force[0], at->full);
+
+    if (!beyond && force > smaller(at->force[0], at->full)) return find(at, force, found);
+    *found = end_of(at, beyond);
+    return 1;
+}
+
 /* torque over the moment arm [N], and stiffness over its square [N/m] */
 static real pull_of(const side at[2], const place where[2])
 {
@@ -177,8 +193,8 @@ int @name@_pressures(real angle, real torque, real stiffness, real supply_pressu
 {
     const real pull = torque / moment_arm, stiff = stiffness / (moment_arm * moment_arm);
     const real supply = smaller(supply_pressure, inverse_top);
-    real a = 0, b = supply, before = 0, excess_before = 0, nearest = INFINITY;
-    int k, curve = 1, known = 0, status = @guard@_TORQUE_OUT_OF_REACH;
+    real least, most, sum, a, b, before = 0, excess_before = 0, nearest = INFINITY;
+    int k, curve, known = 0, status = @guard@_TORQUE_OUT_OF_REACH;
     place best[2], next[2];
     side at[2];
 
@@ -189,18 +205,19 @@ int @name@_pressures(real angle, real torque, real stiffness, real supply_pressu
         return @guard@_OUTSIDE;
     fill_side(at, 0, angle, supply);
     fill_side(at + 1, 1, angle, supply);
-    /* of a torque that no pressures give: one of them full, the other empty */
-    best[0] = place_of(pull > 0 ? supply : 0);
-    best[1] = place_of(pull > 0 ? 0 : supply);
+    /* forces of the agonist that the antagonist balances */
+    least = pull + smaller(at[1].force[0], at[1].full);
+    most = pull + larger(at[1].force[0], at[1].full);
+    sum = at[0].force[0] + at[0].full;
+    /* of a torque that no pressures give: the largest or the least */
+    best[0] = end_of(at, least + most > sum);
+    best[1] = end_of(at + 1, !(least + most > sum));
     /* the curve goes from where one of both is empty to where one is full */
-    if (at[0].force[0] - at[1].force[0] < pull) {
-        curve = find(at, at[1].force[0] + pull, next);
-        a = pressure_of(*next);
-    }
-    if (at[0].full - at[1].full > pull) {
-        curve = find(at, at[1].full + pull, next) && curve;
-        b = pressure_of(*next);
-    }
+    curve = begin_curve(at, least, next) && begin_curve(at, most, next + 1)
+        && least <= larger(at[0].force[0], at[0].full)
+        && most >= smaller(at[0].force[0], at[0].full);
+    a = smaller(pressure_of(next[0]), pressure_of(next[1]));
+    b = larger(pressure_of(next[0]), pressure_of(next[1]));
     for (k = 0; k <= PARTS && curve && status; k++) {
         const real part = (real)k / (real)PARTS;
         const real now = a + (edge + (1 - 2 * edge) * part * part) * (b - a);
