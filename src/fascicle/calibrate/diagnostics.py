@@ -49,7 +49,7 @@ from scipy.special import bdtr, fdtrc, stdtrit
 
 from .calibration import Calibration, Cause, Diagnosis, Runs, Trend
 from .least_squares import KNOWN, MIN_FREEDOM, NORMAL, Problem
-from .parameters import FACTORS, Parameter, coordinates, put
+from .parameters import FACTORS, GAUGE_UNITS, Parameter, coordinates, put
 
 
 # causes that a constant which was not free would make up for
@@ -417,7 +417,10 @@ def _confounded_constants(
         distinct = project_out(residuals.model_subspace, residuals.weighted(column))
         return float(np.sum(distinct**2)) / fit.minimum.solved_noise**2
 
-    names = [c.name for c, column in effects.items() if information(column) * KNOWN**2 < 1]
+    columns = {constant.name: column for constant, column in effects.items()}
+    if not fit.fit_data.reads_contraction and "force_gain" not in fit.names:
+        columns["force_gain"] = GAUGE_UNITS["force_gain"] * residuals.force
+    names = [name for name, column in columns.items() if information(column) * KNOWN**2 < 1]
     return tuple(name for name in names if name != "dead_band")
 
 

@@ -16,8 +16,11 @@ Faults of a channel are properties of its readings, whatever the muscle: many re
 one end of a range.
 
 **Assumes** that the lowest pressure of a record is a vented muscle if it is below 1 % of the
-highest. **Not resolved:** a scale of the force beside a free radius, and a zero of the pressure
-beside a free dead band: the priors alone separate them.
+highest. **Not resolved:** a zero of the pressure beside a free dead band, and a scale of the force
+beside a free radius and rubber: the priors alone separate them. At equal stretches the gas's force
+grows with the square of the radius at rest, the rubber's with its constants and the wall's
+cross-section, so that a scale $s$ is a radius $\sqrt{s}$ times as large with another rubber. With
+a given radius it is found.
 """
 
 from dataclasses import dataclass, fields, replace

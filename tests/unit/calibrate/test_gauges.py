@@ -17,7 +17,7 @@ from fascicle.files.calibration_files import calibrated_files, provenance_of
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record, Source, join
 from fascicle.report.calibration_figures import fit_plot
-from gauge_bench import MUSCLE, TRUTH, bench_record
+from gauge_bench import MUSCLE, TRUE, TRUTH, bench_record
 
 
 NAMES = ["c10", "c01", "force_zero", "force_gain", "force_drift", "pressure_zero"]
@@ -134,6 +134,21 @@ def test_files_keep_the_gauge_beside_the_muscle(fitted):
     texts = calibrated_files(fitted, "2026-01-01")
     assert "force_zero" not in texts["muscle.toml"].split("[calibration]")[0]
     assert provenance_of(fitted, "2026-01-01")["gauge"].keys() == fitted.gauge.faults.keys()
+
+
+def test_a_scale_of_the_load_cell_is_known_beside_a_given_radius_only():
+    scale, P, strain = 1.03, np.array([1e5, 4e5]), np.array([0.02, 0.2])
+    sizes = {
+        name: np.sqrt(scale) * getattr(TRUE, name) for name in ("outer_radius", "wall_thickness")
+    }
+    assert_allclose(TRUE.replace(**sizes).force(P, strain), scale * TRUE.force(P, strain))
+    record = bench_record(Gauge(force_gain=scale), loop=0.0, floor=5.0, seed=2)
+    for size, unknown in (("outer_radius", True), ("braid_angle", False)):
+        fitted = fit(record, MUSCLE, ["c10", "c01", size], whole=False)
+        assert ("force_gain" in fitted.diagnosis.confounded) is unknown
+    fitted = fit(record, MUSCLE, ["c10", "c01", "braid_angle", "force_gain"], whole=False)
+    estimate = next(e for e in fitted.parameters if e.name == "force_gain")
+    assert estimate.identifiable and estimate.low < scale < estimate.high
 
 
 @pytest.mark.parametrize(("name", "value"), [("force_gain", 1.0), ("force_drift", -0.7)])
