@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from measured import measured
 
+import fascicle as fs
 from asked import asked
+from fascicle.calibrate import select_model
 from fascicle.records import load, runs
 from fascicle.records.headers import MissingMetadataError
 from refusing import refuses_at
@@ -83,6 +85,17 @@ def test_channels_with_a_clock_each_are_refused_with_the_choice():
     for values, clock, column, unit in ((record.force, 0, 1, 1), (record.pressure, 4, 5, 1e3)):
         expected = unit * np.interp(record.time, rows[:, clock], rows[:, column])
         np.testing.assert_allclose(values, expected)
+
+
+@pytest.mark.parametrize(
+    "name", ["21_zugversuch.csv", pytest.param("22_isometric_steps.csv", marks=pytest.mark.slow)]
+)
+def test_zeros_of_both_gauges_are_found(name):
+    record = load(measured(f"field-cases/{name}"), **LENGTH)
+    start = fs.Muscle(0.18, 6e-3, 1.2e-3, np.radians(25.0))
+    gauge = select_model(record, start).calibration.gauge
+    assert gauge.force_zero == pytest.approx(5.0, abs=1.0)
+    assert gauge.pressure_zero == pytest.approx(2e3, abs=500.0)
 
 
 def test_signals_with_a_scale_are_quantities():

@@ -92,6 +92,7 @@ class FitData:
     - `at_ceiling`: mask of the clipped readings that limit the force from below; `None`: no such.
     - `gauge`: errors of the gauges that the readings were corrected for.
     - `gauge_deviations`: standard deviations [SI] of those that readings without pressure show.
+    - `at_rest`: mask of the readings without pressure that show an error of the load cell.
     - `turning`: mask of the readings after a turn of their sweep, where friction still builds up.
     - `reads_contraction`: loads were set and contractions read: their error counts.
     """
@@ -110,6 +111,7 @@ class FitData:
     at_ceiling: np.ndarray | None = None
     gauge: Gauge = PERFECT
     gauge_deviations: Mapping[str, float] = field(default_factory=dict)
+    at_rest: np.ndarray | None = None
     turning: np.ndarray | None = None
     reads_contraction: bool = False
 
@@ -137,10 +139,14 @@ class FitData:
     @property
     def settled(self) -> np.ndarray:
         """Mask of the table's entries without readings after a turn."""
-        mask = self.grid.used.copy()
-        if self.turning is not None:
-            mask[self.level[self.turning], self.column[self.turning]] = False
-        return mask
+        return self.used_without(self.turning)
+
+    def used_without(self, mask: np.ndarray | None) -> np.ndarray:
+        """Mask of the table's entries without those that a `mask` of the readings leaves out."""
+        used = self.grid.used.copy()
+        if mask is not None:
+            used[self.level[mask], self.column[mask]] = False
+        return used
 
     @property
     def largest_strain(self) -> float:
@@ -225,9 +231,9 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     data = fit_table(record, **facts, reads_contraction=has_set_loads(record))
     if muscle is None:
         return data
-    length, (gauge, deviations) = float(muscle.length), read_vented(data.record, muscle)
-    turning = after_turns(data.record, length)
-    return replace(data, gauge_deviations=deviations, turning=turning).corrected(gauge, length)
+    length, (gauge, deviations, at_rest) = float(muscle.length), read_vented(data.record, muscle)
+    facts = {"at_rest": at_rest, "turning": after_turns(data.record, length)}
+    return replace(data, gauge_deviations=deviations, **facts).corrected(gauge, length)
 
 
 def has_set_loads(record: Record) -> bool:
@@ -270,11 +276,9 @@ def thin(data: FitData) -> FitData:
     if chosen.size == levels and data.grid.force.shape[1] <= limit:
         return data
     rows = np.isin(data.level, chosen)
-    at_ceiling, turning = (
-        None if mask is None else mask[rows] for mask in (data.at_ceiling, data.turning)
-    )
-    record = data.record.only(rows)
-    return fit_table(record, limit, data, at_ceiling=at_ceiling, turning=turning)
+    masks = {"at_ceiling": data.at_ceiling, "at_rest": data.at_rest, "turning": data.turning}
+    masks = {name: None if mask is None else mask[rows] for name, mask in masks.items()}
+    return fit_table(data.record.only(rows), limit, data, **masks)
 
 
 def pulling_only(data: FitData) -> FitData:

@@ -194,10 +194,13 @@ def set_up_problem(
     elif pulls and not tuning:
         fixed = pulling_constants(start)
     loop = fits_loop(data, names, options)
+    weight = data.settled if loop else data.grid.used
+    if not pulls and "force_zero" in names:  # these readings are in its prior
+        weight = weight & data.used_without(data.at_rest)
     problem = Problem(
         start,
         data.grid,
-        (data.settled if loop else data.grid.used).astype(float),
+        weight.astype(float),
         FIRST_NOISE * float(np.max(np.abs(data.grid.force))),
         np.asarray(coordinates(free, start, gauge), float),
         np.array([_prior_deviation(p, start, gauge, priors.get(p.name)) for p in free]),
@@ -236,9 +239,12 @@ def fits_loop(data: FitData, names: Collection[str], options: FitOptions) -> boo
 
 def gauge_priors(data: FitData, length: float, only_pulls: bool) -> dict[str, Prior]:
     """Priors of the gauges' errors, by name, narrowed by readings without pressure; `length`: of
-    the muscle [m]; `only_pulls`: these are not fitted, else their forces would count twice.
+    the muscle [m]; `only_pulls`: these are not fitted, nor where they show the load cell's error
+    clearly; else their forces would count twice.
     """
-    grid, names = data.grid, GAUGE_NAMES if only_pulls else ("pressure_zero",)
+    grid, names = data.grid, GAUGE_NAMES
+    if not (only_pulls or data.gauge.force_zero):
+        names = ("pressure_zero",)
     vented = {name: d for name, d in data.gauge_deviations.items() if name in names}
     usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)
     return {

@@ -122,15 +122,17 @@ def default_deviations(
     }
 
 
-def read_vented(record: Record, muscle: Muscle) -> tuple[Gauge, dict[str, float]]:
-    """Gauge with the errors that a record's readings without pressure show significantly, and
-    standard deviations of all that they determine [SI], but of channels whose zero was given. The
-    stiffness of the `muscle` bounds its push near the rest length.
+def read_vented(record: Record, muscle: Muscle) -> tuple[Gauge, dict[str, float], np.ndarray]:
+    """Gauge with the errors that a record's readings without pressure show significantly, standard
+    deviations of all that they determine [SI], but of channels whose zero was given, and a mask of
+    those that tell the load cell's. The stiffness of the `muscle` bounds its push near the rest
+    length.
     """
     start = 0.0 if record.time is None else float(np.min(record.time))
     top = float(np.max(record.pressure))
     vented = (record.pressure <= VENTED * top) & (record.strain >= _STRETCHED) & ~record.censored
     zeros, deviations, count = {}, {}, int(np.sum(vented))
+    of_load_cell = np.zeros(len(record), dtype=bool)
     if top > 0 and count >= _MIN_VENTED and "pressure" not in record.zeroed:
         P = record.pressure[vented]
         # of a transducer that writes its noise without the negative half, below its deviation
@@ -140,17 +142,19 @@ def read_vented(record: Record, muscle: Muscle) -> tuple[Gauge, dict[str, float]
         if abs(zero) > max(scatter, CLEAR * deviations["pressure_zero"]):
             zeros["pressure_zero"] = zero
     if top > 0 and count and "force" not in record.zeroed:
-        clear, known = _read_load_cell(record, muscle, np.flatnonzero(vented))
+        clear, known, used = _read_load_cell(record, muscle, np.flatnonzero(vented))
         zeros, deviations = zeros | clear, deviations | known
-    return Gauge(**zeros, start=start), deviations
+        of_load_cell[used] = bool(clear)
+    return Gauge(**zeros, start=start), deviations, of_load_cell
 
 
 def _read_load_cell(
     record: Record, muscle: Muscle, vented: np.ndarray
-) -> tuple[dict[str, float], dict[str, float]]:
-    """Clear zero and drift of the load cell from the `vented` readings next to the rest length, and
-    standard deviations of what they determine [SI], by name. However the column buckles, it pushes
-    no harder than a straight muscle: an error counts if it is clear with this push and without.
+) -> tuple[dict[str, float], dict[str, float], np.ndarray]:
+    """Clear zero and drift of the load cell from the `vented` readings next to the rest length,
+    standard deviations of what they determine [SI], by name, and the readings. However the column
+    buckles, it pushes no harder than a straight muscle: an error counts if it is clear with this
+    push and without.
     """
     scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
     strain = np.maximum(record.strain * scale, 0.0)
@@ -179,7 +183,7 @@ def _read_load_cell(
         clear[:] = True
     values = dict(zip(names, middle.tolist(), strict=True))
     zeros = {name: values[name] for name, sure in zip(names, clear, strict=True) if sure}
-    return zeros, dict(zip(names, deviation.tolist(), strict=True))
+    return zeros, dict(zip(names, deviation.tolist(), strict=True)), first
 
 
 def drift_confounders(record: Record) -> list[str]:

@@ -10,8 +10,10 @@ import fascicle as fs
 from fascicle.calibrate import Gauge, Prior, fit
 from fascicle.calibrate.data import select_fit_data
 from fascicle.calibrate.findings import calibration_findings
+from fascicle.calibrate.fitting import FitOptions, set_up_problem
 from fascicle.calibrate.gauges import PERFECT, channel_faults, drift_confounders, read_vented
 from fascicle.calibrate.model_selection import possible_gauge_errors, select_model
+from fascicle.calibrate.parameters import GAUGE_UNITS
 from fascicle.core.module import with_fields
 from fascicle.files.calibration_files import calibrated_files, provenance_of
 from fascicle.records import VirtualDynamometer
@@ -38,11 +40,20 @@ def test_a_corrected_reading_is_the_readings_inverse():
 
 
 def test_readings_without_pressure_tell_the_zeros():
-    gauge, deviations = read_vented(bench_record(seed=1), MUSCLE)
+    gauge, deviations, _ = read_vented(bench_record(seed=1), MUSCLE)
     for name in ("force_zero", "force_drift", "pressure_zero"):
         error = getattr(gauge, name) - getattr(TRUTH, name)
         assert abs(error) < 4 * deviations[name]
     assert read_vented(bench_record(PERFECT, loop=0.0, seed=1), MUSCLE)[0] == PERFECT
+
+
+def test_readings_of_a_prior_are_not_fitted_as_well():
+    data = select_fit_data(bench_record(seed=1), MUSCLE)
+    problem, _ = set_up_problem(data, MUSCLE, ["c10", "force_zero"], {}, FitOptions())
+    at_rest = problem.weight[data.level[data.at_rest], data.column[data.at_rest]]
+    assert at_rest.size and not np.any(at_rest) and np.mean(problem.weight[data.grid.used]) > 0.8
+    deviation = GAUGE_UNITS["force_zero"] * problem.deviation[-1]
+    assert_allclose(deviation, data.gauge_deviations["force_zero"])
 
 
 @pytest.mark.parametrize("factor", [0.6, 1.2])
