@@ -1,21 +1,14 @@
 """Claims and comparisons with measured records on the terminal: a summary, and tables."""
 
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
 from fascicle.cli.errors import INCOMPLETE, user_errors
-from fascicle.cli.terminal import print_line, print_table, print_written, status
+from fascicle.cli.terminal import print_line, print_written, status
 from fascicle.io import atomic
 
-from .claims import KINDS, Claim, failed, of_kind, summary
+from .claims import Claim, failed, summary
 
 
 if TYPE_CHECKING:
@@ -30,14 +23,8 @@ __all__ = [
     "verdict_lines",
 ]
 
-_STYLES = {
-    "holds": "green", "chosen": "", "by definition": "", "not testable here": "",
-    "differs": "yellow", "fails": "bold red",
-}  # fmt: skip
-_WIDEST = 40  # characters of a law's label in a line
 
-
-def measurements(folder: Path, overwrite: bool, verbose: bool) -> int:
+def measurements(folder: Path, overwrite: bool) -> int:
     """Compare every law with every measured record that is available; returns the exit code."""
     from . import measurements
 
@@ -51,9 +38,9 @@ def measurements(folder: Path, overwrite: bool, verbose: bool) -> int:
         comparisons, names = _write(
             folder, overwrite, lambda draft, update: measurements.run(draft, records, update)
         )
-        print_comparisons(comparisons, verbose)
+        print_comparisons(comparisons)
         print_line(measurements.UNTESTED[0])
-        print_written(folder, names, verbose)
+        print_written(folder, names)
     for reason, names in omitted.items():
         print_line(f"omitted, {reason}: {', '.join(names)}")
     if not is_measured:
@@ -61,7 +48,7 @@ def measurements(folder: Path, overwrite: bool, verbose: bool) -> int:
     return INCOMPLETE if omitted else 0
 
 
-def kim2021(folder: Path, overwrite: bool, verbose: bool) -> int:
+def kim2021(folder: Path, overwrite: bool) -> int:
     """Draw the paper's figures, and check its claims; returns the exit code."""
     from .kim2021 import reproduction
 
@@ -72,8 +59,8 @@ def kim2021(folder: Path, overwrite: bool, verbose: bool) -> int:
         return reproduction.run(draft, show)
 
     claims, names = _write(folder, overwrite, run)
-    print_claims(claims, verbose)
-    print_written(folder, names, verbose)
+    print_claims(claims)
+    print_written(folder, names)
     return 1 if failed(claims) else 0
 
 
@@ -115,45 +102,14 @@ def verdict_lines(claims: Sequence[Claim]) -> list[str]:
     ]
 
 
-def print_claims(claims: Sequence[Claim], verbose: bool = False) -> None:
-    """Print the verdict; with `verbose`, also each claim with the numbers that decide on it."""
-    console = Console(file=sys.stdout, highlight=False)
+def print_claims(claims: Sequence[Claim]) -> None:
+    """Print the verdict; the report has each claim with the numbers that decide on it."""
     for line in verdict_lines(claims):
         print_line(line)
-    if not verbose:
-        return
-    for kind, about in KINDS.items():
-        group = of_kind(claims, kind)
-        if not group:
-            continue
-        console.print(Text(f"{kind.capitalize()}: {about}", style="bold"))
-        table = Table(box=SIMPLE_HEAD, pad_edge=False)
-        for head in ("place", "verdict", "claim, and the paper's words", "criterion"):
-            table.add_column(head)
-        for claim in group:
-            verdict = Text(claim.verdict, style=_STYLES[claim.verdict])
-            words = Text.assemble(claim.text, (f" “{claim.quote}”", "dim"))
-            table.add_row(Text(claim.place), verdict, words, Text(_criteria(claim)))
-        console.print(table)
-    for claim in claims:
-        if claim.verdict in ("differs", "fails"):
-            text = f"{claim.verdict}: {claim.text} {claim.outcome} {claim.explanation}".rstrip()
-            console.print(Text(text, style=_STYLES[claim.verdict]), soft_wrap=False)
 
 
-def _criteria(claim: Claim) -> str:
-    lines = [f"{criterion.text}{criterion.limit_note}" for criterion in claim.criteria]
-    if claim.choice and claim.holds:
-        lines.append(f"chosen: {claim.choice}")
-    return "; ".join(lines)
-
-
-def print_comparisons(comparisons: "Sequence[RecordComparison]", verbose: bool = False) -> None:
-    """Print each measured record's best law, its error and what it misses; with `verbose`, also
-    the errors of every law.
-    """
-    heads = ["law", "constants", "rms error", "cross-validated error",
-             "mean residuals by pressure", "mean residuals by strain"]  # fmt: skip
+def print_comparisons(comparisons: "Sequence[RecordComparison]") -> None:
+    """Print each measured record's best law, its error and what it misses."""
     for comparison in comparisons:
         name, best = comparison.measured.name, comparison.laws[0]
         print_line(
@@ -162,13 +118,3 @@ def print_comparisons(comparisons: "Sequence[RecordComparison]", verbose: bool =
             f" {best.row.relative_left_out_rmse:.2%} at readings left out of the fit;"
             f" {best.misses}"
         )
-        if not verbose:
-            continue
-        rows = [
-            [fill(law.row.label, _WIDEST), str(law.row.free), f"{law.row.relative_rmse:.2%}",
-             f"{law.row.relative_left_out_rmse:.2%}",
-             *(f"{low:+.3g} to {high:+.3g} N" for low, high in
-               (law.along_pressure, law.along_strain))]
-            for law in comparison.laws
-        ]  # fmt: skip
-        print_table(f"{name}: errors over the largest force, and mean residuals", heads, rows)

@@ -56,7 +56,6 @@ def reproduce(
     ),
     out: options.OutFolder = None,
     overwrite: options.Overwrite = False,
-    verbose: options.Verbose = False,
 ) -> int:
     """Reproduce the figures and check the claims of a paper.
 
@@ -83,7 +82,7 @@ def reproduce(
     result_folder(f"{folder}", "", False, overwrite)
     folder.mkdir(exist_ok=True)
     with user_errors():
-        return getattr(terminal, paper)(folder, overwrite, verbose)
+        return getattr(terminal, paper)(folder, overwrite)
 
 
 COMMANDS = {"explore": explore, "reproduce": reproduce}

@@ -107,7 +107,6 @@ Scheme = Annotated[Text, _shared(_SCHEME, autocompletion=lambda: list(SCHEMES))]
 Seed = Annotated[int, _shared("Random seed.", min=0)]
 Json = Annotated[bool, _shared("JSON in SI units on standard output.", "", "--json")]
 Csv = Annotated[bool, _shared("CSV in SI units on standard output.", "", "--csv")]
-Verbose = Annotated[bool, _shared("Tables and details on the terminal, too.", "", "--verbose")]
 Out = Annotated[Text, _shared("Result file: .nc, .csv or .json.", "PATH", "--out -o")]
 _FOLDER = "Folder of results; default: named for the input, none with --json."
 OutFolder = Annotated[Text, _shared(_FOLDER, "FOLDER", "--out -o")]

@@ -1,9 +1,7 @@
 """Commands on measured data: `calibrate`, `convert`, and `record` on a virtual dynamometer."""
 
 import json
-import math
 import re
-import textwrap
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -23,20 +21,15 @@ from .errors import UserError, user_errors
 from .inputs import check_grid, load_laws, read_list, read_muscle
 from .options import Command, Text, Texts, argument, complete_target, flag, option, with_options
 from .outputs import check_file, print_if_lost, result_folder, today, write_text
-from .terminal import print_line, print_table, print_written, status
+from .terminal import print_line, print_written, status
 
 
 if TYPE_CHECKING:
     from ..calibrate.comparison import LawComparison
     from ..report.calibration import CalibrationResult
 
-_LABEL_WIDTH = 35  # characters: a table fits next to it
 _DOUBTS = 3  # in a line that is still read
 _LINES = 10  # of a verdict with the constants: more are not read
-_CRITERIA = (
-    "left-out error: at pressures left out of the fit; pull at clipped: largest pull of the law"
-    " where a reading is clipped; AIC, BIC: by the likelihood of all readings, also of clipped ones"
-)
 _TUNING = "tuning"  # among names to fit: the paper's method
 DATA = argument(
     "DATA",
@@ -263,18 +256,14 @@ def calibrate(
         "Likelihood profiles of all parameters, or none; default: of those barely determined.",
         names="--profile/--no-profile",
     ),
-    notebook: bool = flag("Notebook that draws record, curves and residuals.", "--notebook"),
     seed: options.Seed = 0,
     out: options.OutFolder = None,
     overwrite: options.Overwrite = False,
-    verbose: options.Verbose = False,
     as_json: options.Json = False,
 ) -> None:
     """Fit a muscle to dynamometer data, with uncertainties."""
     names = None if fit is None else [name.strip() for name in fit.split(",")]
     prior_texts = read_pairs(prior, "--prior")
-    if notebook and out is None and as_json:
-        raise UserError("--notebook: name its folder with --out, or drop --json.")
     stem = re.sub(r"[*?\[\]]+", "", Path(data[0]).stem)  # of a pattern, what files have in common
     folder = result_folder(out, f"calibrated-{stem or 'record'}", as_json, overwrite)
     start = read_start(muscle, sizes)
@@ -316,11 +305,11 @@ def calibrate(
             fitting.sample(fit_result, seed=seed) if posterior else None,
             _compare(fit_result, start, priors, settings) if compare else None,
         )
-    show = partial(_show, result, as_json, verbose)
+    show = partial(_show, result, as_json)
     content: dict[str, bytes] = {}
     if folder is not None:
         with print_if_lost(show), status("drawing the report"), user_errors("--out "):
-            content = output_files(result, today(), notebook)
+            content = output_files(result, today())
 
             def fill(draft: Path) -> None:
                 for name, raw in content.items():
@@ -329,10 +318,10 @@ def calibrate(
             atomic.write_folder(folder, fill, overwrite)
     show()
     if folder is not None and not as_json:
-        print_written(folder, list(content), verbose)
+        print_written(folder, list(content))
 
 
-def _show(result: "CalibrationResult", as_json: bool, verbose: bool) -> None:
+def _show(result: "CalibrationResult", as_json: bool) -> None:
     """Print a calibration for a reader, or as JSON."""
     from ..report.calibration import summary
 
@@ -340,7 +329,7 @@ def _show(result: "CalibrationResult", as_json: bool, verbose: bool) -> None:
         # numbers that JSON lacks, NaN and infinity, are null
         print(dump_json(json.loads(dump_json(summary(result)), parse_constant=lambda _: None)))
     else:
-        _print_calibration(result, verbose)
+        _print_calibration(result)
 
 
 def read_start(target: str | None, sizes: Start) -> "fs.Muscle":
@@ -396,8 +385,8 @@ def _compare(
     return compare(fit.record, start, names, priors, **settings)
 
 
-def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
-    """Print the verdict and the constants; with `verbose`, all tables and warnings."""
+def _print_calibration(result: "CalibrationResult") -> None:
+    """Print the verdict and the constants; the report has all tables and warnings."""
     from ..report import calibration_words as words
     from ..report.words import record_doubts
 
@@ -427,7 +416,7 @@ def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
     for line in (*first, f"Constants{chosen}{note}"):
         print_line(line)
     # with the heading of the constants, and the line on the files that were written
-    room = len(rows) if verbose else max(_LINES - len(first) - len(last) - 2, 1)
+    room = max(_LINES - len(first) - len(last) - 2, 1)
     count = len(rows) if len(rows) <= room else room - 1
     widths = [max((len(row[i]) for row in rows[:count]), default=0) for i in range(2)]
     for name, value, interval in rows[:count]:
@@ -436,52 +425,6 @@ def _print_calibration(result: "CalibrationResult", verbose: bool) -> None:
         print_line(f"{'also ' if count else ''}{', '.join(further)}")
     for line in last:
         print_line(line)
-    if verbose:
-        _print_details(result)
-
-
-def _print_details(result: "CalibrationResult") -> None:
-    from ..report import calibration_words as words
-    from ..report.words import record_lines
-
-    fit, choice = result.fit, result.choice
-    for line in (*record_lines(fit.record), *words.fit_data_lines(fit.fit_data)):
-        print_line(line)
-    if choice is not None:
-        _print_candidates(choice)
-        for line in words.selection_reasons(choice):
-            print_line(line)
-    if result.comparison is not None:
-        heads = "law|fitted constants|rms error [N]|left-out error [N]|pull at clipped [N]|AIC|BIC"
-        rows = []
-        for law in result.comparison.rows:
-            forces = [f"{x:.4g}" for x in (law.rmse, law.left_out_rmse, law.clipped_pull)]
-            label = textwrap.fill(law.label, _LABEL_WIDTH)
-            rows.append([label, f"{law.free}", *forces, f"{law.aic:.1f}", f"{law.bic:.1f}"])
-        print_table("Laws compared", heads.split("|"), rows, _CRITERIA)
-    for line in words.search_lines(fit.solutions):
-        print_line(f"Search: {line}.")
-    print_line(f"Intervals: {words.interval_method(fit)}.")
-    if fit.loop is not None:
-        print_line(words.hysteresis_message(fit))
-    for topic, lines in words.warnings_by_topic(fit).items():
-        for line in (f"Warnings ({topic}):", *(f"- {line}" for line in lines)):
-            print_line(line)
-
-
-def _print_candidates(choice: "fitting.Selection") -> None:
-    from ..report.calibration_words import candidate_label
-
-    heads = ["constants", "fitted to", "number", "rms error [%]", "cross-validated error [%]", ""]
-    rows = []
-    for candidate in choice.candidates:
-        errors = (candidate.relative_rmse, candidate.relative_left_out_rmse)
-        texts = [f"{100 * error:.3g}" if math.isfinite(error) else "-" for error in errors]
-        label = textwrap.fill(candidate_label(candidate), _LABEL_WIDTH)
-        selected = "selected" if candidate.chosen else ""
-        rows.append([label, candidate.readings, f"{candidate.constants}", *texts, selected])
-    caption = "fitted to: all readings, or those that are pulling; errors over the largest force"
-    print_table("Candidates", heads, rows, caption)
 
 
 COMMANDS = {"record": record, "convert": convert, "calibrate": calibrate}

@@ -136,12 +136,9 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
         yield lambda text: progress.update(task, description=sanitize_line(text), refresh=True)
 
 
-def print_written(folder: Path, names: Sequence[str], verbose: bool) -> None:
-    """Print a `folder` and the `names` of the files written into it; with `verbose`, paths."""
-    if verbose:
-        print_line(f"wrote {', '.join(str(folder / name) for name in names)}")
-        return
+def print_written(folder: Path, names: Sequence[str]) -> None:
+    """Print a `folder` and the `names` of the files written into it, or how many of a kind."""
     kinds = Counter(Path(name).suffix for name in names)
     pages = [name for name in names if kinds[Path(name).suffix] <= _MAX_NAMES]
     groups = [f"{kinds[kind]} {kind[1:]}" for kind in kinds if kinds[kind] > _MAX_NAMES]
-    print_line(f"wrote {folder}{os.sep}: {', '.join([*pages, *groups])}; --verbose prints details")
+    print_line(f"wrote {folder}{os.sep}: {', '.join([*pages, *groups])}")

@@ -1,12 +1,10 @@
-"""Outputs of a calibration: its page, the files of its folder, its JSON, and a notebook of the fit.
+"""Outputs of a calibration: its page, the files of its folder, and its JSON.
 
 The page has the fit, its uncertainty, and what the data can't determine: the verdict comes first,
 then the warnings. The same calibration and date give the same page.
 """
 
-import json
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -18,7 +16,6 @@ from ..calibrate.model_selection import Selection
 from ..files.calibration_files import calibrated_files, laws_of
 from ..muscle.validation import fitted_length_note
 from ..plot import to_bytes
-from ..records.record import dumps as record_text
 from ..units import pretty
 from . import calibration_words as words
 from .calibration_figures import curves_csv, figures
@@ -125,12 +122,8 @@ def _posterior_rows(fit: Calibration, posterior: "Posterior") -> list[list[str]]
     return rows
 
 
-def output_files(
-    result: CalibrationResult, date: str, with_notebook: bool = False
-) -> dict[str, bytes]:
-    """Content of a calibration's files, by name: muscle, log, report, curves and figures;
-    `with_notebook`: also a notebook, and the record that it reads.
-    """
+def output_files(result: CalibrationResult, date: str) -> dict[str, bytes]:
+    """Content of a calibration's files, by name: muscle, log, report, curves and figures."""
     fit = result.fit
     drawings = figures(fit, result.profiles, result.comparison)
     drawn = {name: to_bytes(figure, "svg") for name, figure in drawings.items()}
@@ -139,76 +132,14 @@ def output_files(
     lines = words.warning_lines(fit), reasons, record_lines(fit.record)
     texts = calibrated_files(fit, date, result.choice, *lines)
     texts |= {"report.html": page, "curves.csv": curves_csv(fit)}
-    if with_notebook:
-        record = replace(fit.record, notes=tuple(record_lines(fit.record)))
-        texts |= {"record.csv": record_text(record), "fit.ipynb": notebook(result)}
     content = {name: text.encode() for name, text in texts.items()}
     for name, figure in drawings.items():
         content |= {f"{name}.png": to_bytes(figure, "png"), f"{name}.svg": drawn[name]}
     return content
 
 
-def notebook(result: CalibrationResult) -> str:
-    """Notebook that draws a calibration's record, curves and residuals, as JSON.
-
-    It reads `record.csv`, `muscle.toml` and `curves.csv` beside it.
-    """
-    first, last = words.verdict_lines(result.fit, result.choice)
-    rows = ["| constant | value | 90 % interval |", "|---|---|---|"]
-    constants = words.constant_rows(result.fit.parameters)
-    rows += [f"| `{name}` | {value} | {interval} |" for name, value, interval in constants]
-    text = "\n\n".join([f"# {_title(result.fit)}", *first, "\n".join(rows), *last])
-    cells = [{"cell_type": "markdown", "id": "verdict", "metadata": {}, "source": text}]
-    for name, source in _CELLS.items():
-        code = {"cell_type": "code", "id": name, "metadata": {}, "source": source}
-        cells.append(code | {"execution_count": None, "outputs": []})
-    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
-    form = {"metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
-    return json.dumps({"cells": cells, **form}, indent=1, ensure_ascii=False) + "\n"
-
-
 def _title(fit: Calibration) -> str:
     return f"Calibration: {', '.join(source.name for source in fit.record.sources) or 'a record'}"
-
-
-# code of the notebook, by the cell's name
-_CELLS = {
-    "load": """\
-import matplotlib.pyplot as plt
-import numpy as np
-import pandas as pd
-
-import fascicle as fs
-
-record = fs.records.load("record.csv")
-muscle = fs.load("muscle.toml")
-curves = pd.read_csv("curves.csv")
-muscle""",
-    "curves": """\
-figure, ax = plt.subplots()
-points = ax.scatter(record.strain, record.force, s=8, c=record.pressure / 1e3, cmap="viridis")
-for pressure, curve in curves.groupby("pressure [kPa]"):
-    color = points.to_rgba(pressure)
-    ax.plot(curve["strain [-]"], curve["force [N]"], color=color, lw=1)
-    low, high = curve["low [N]"], curve["high [N]"]
-    ax.fill_between(curve["strain [-]"], low, high, color=color, alpha=0.1)
-figure.colorbar(points, label="Pressure [kPa]")
-ax.set(xlabel="Contraction [-]", ylabel="Force [N]", title="Readings, fit, and 90 % of readings")
-plt.show()""",
-    "residuals": """\
-# contractions of the record refer to its rest length
-strain = record.strain * ((record.rest_length or float(muscle.length)) / float(muscle.length))
-force = np.asarray(muscle.force(record.pressure, strain))
-residual = np.where(record.censored, np.nan, record.force - force)
-x, label = (record.strain, "Contraction [-]") if record.time is None else (record.time, "Time [s]")
-figure, ax = plt.subplots()
-points = ax.scatter(x, residual, s=8, c=record.pressure / 1e3, cmap="viridis")
-ax.axhline(0, color="0.5", lw=0.8)
-figure.colorbar(points, label="Pressure [kPa]")
-ax.set(xlabel=label, ylabel="Measured less fitted force [N]")
-plt.show()
-print(f"root mean square error: {np.sqrt(np.nanmean(residual**2)):.4g} N")""",
-}
 
 
 def summary(result: CalibrationResult) -> dict[str, Any]:
