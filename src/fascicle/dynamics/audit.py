@@ -21,6 +21,7 @@ measures how far a run can be trusted.
 **Source:** first and second law for open systems: Bejan (2016).
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -49,9 +50,9 @@ class Balance(NamedTuple):
     """Balance of energy or mass over a run.
 
     Its `inputs` and `outputs` by name, and the `residual`, inputs less outputs, in its `unit`; the
-    `relative_residual`, over the largest term, and the `tolerance` at which it closes [-];
-    `mismatch`: the part of the residual that a volume makes that isn't the conjugate one, in
-    `unit`; 0 within the tolerance.
+    `relative_residual`, over the largest term, 0 where it is a rounding of the energies at play,
+    and the `tolerance` at which it closes [-]; `mismatch`: the part of the residual that a volume
+    makes that isn't the conjugate one, in `unit`; 0 within the tolerance.
     """
 
     name: str
@@ -142,20 +143,26 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
     # every term as a row in time: at the end of a cycle all may be zero again
     ledger = dict(zip(LEDGER, np.asarray(run.ledger).T, strict=True))
     stores = dict(zip(STORES, np.asarray(run.outputs.store).T, strict=True))
+    # in each substep a work p dV adds a rounding of the fluid's p V, also where nothing moves
+    p = np.asarray(run.outputs.pressures) + plant.chamber.room_pressure
+    V = np.asarray(run.outputs.volumes) + plant.chamber.dead_volume
+    pV = np.sum(p * V, axis=-1)
+    rounding = float(np.finfo(float).eps * np.max(pV) * len(pV) * max(run.substeps, 1))
+    balance = partial(_balance, rounding=rounding)
     balances = [
-        _balance(f"{quantity} of the fluid", law, {"supplied": ledger["supplied"]},
-                 {**{name: ledger[name] for name in losses},
-                  "work on the muscles": ledger["fluid_work"],
-                  "stored in the fluid": stores["fluid"]}),
-        _balance("energy of the muscles", law, {"work of the fluid": ledger["fluid_work"]},
-                 {"pull on the load": ledger["pull"], "stored in the muscles": stores["muscles"]},
-                 mismatch=ledger["mismatch"]),
-        _balance("energy of the motion", KINKED if is_kinked else law,
-                 {"pull of the muscles": ledger["pull"], "motor": ledger["motor"]},
-                 {"kinetic": stores["motion"], "potential": stores["load"],
-                  "damper": ledger["damper"], "stop, lost": ledger["stop"],
-                  "stop, stored": stores["stop"], "friction, lost": ledger["friction"],
-                  "friction, stored": stores["friction"]}),
+        balance(f"{quantity} of the fluid", law, {"supplied": ledger["supplied"]},
+                {**{name: ledger[name] for name in losses},
+                 "work on the muscles": ledger["fluid_work"],
+                 "stored in the fluid": stores["fluid"]}),
+        balance("energy of the muscles", law, {"work of the fluid": ledger["fluid_work"]},
+                {"pull on the load": ledger["pull"], "stored in the muscles": stores["muscles"]},
+                mismatch=ledger["mismatch"]),
+        balance("energy of the motion", KINKED if is_kinked else law,
+                {"pull of the muscles": ledger["pull"], "motor": ledger["motor"]},
+                {"kinetic": stores["motion"], "potential": stores["load"],
+                 "damper": ledger["damper"], "stop, lost": ledger["stop"],
+                 "stop, stored": stores["stop"], "friction, lost": ledger["friction"],
+                 "friction, stored": stores["friction"]}),
     ]  # fmt: skip
     mass = np.sum(np.asarray(run.outputs.masses), axis=-1)
     counted = {"flowed in": ledger["mass"]}, {"held": mass}
@@ -168,12 +175,10 @@ def audit(plant: Plant, run: Trajectory) -> Audit:
         outputs = {"supplied": ledger["supplied"], "stored in the supply": stored}
         if "pump_lost" in spent:
             outputs["lost in the pump"] = spent["pump_lost"]
-        balances.append(_balance("energy of the supply", SMOOTH, inputs, outputs))
+        balances.append(balance("energy of the supply", SMOOTH, inputs, outputs))
     if isinstance(plant.chamber, AdiabaticWall):
         # U = p V/(γ − 1), from the outputs rather than from the state that was integrated
-        p = np.asarray(run.outputs.pressures) + plant.chamber.room_pressure
-        V = np.asarray(run.outputs.volumes) + plant.chamber.dead_volume
-        U = np.sum(p * V, axis=-1) / (plant.chamber.gas.heat_capacity_ratio - 1)
+        U = pV / (plant.chamber.gas.heat_capacity_ratio - 1)
         lost = {"heat through the wall": ledger["heat"], "work, absolute": ledger["displaced"]}
         sides = {"enthalpy": ledger["enthalpy"]}, lost | {"internal energy": U}
         balances.append(_balance("first law", SMOOTH, *sides, size=np.max(U)))
@@ -199,9 +204,11 @@ def _balance(
     unit: str = "J",
     size: float = 0.0,
     mismatch: Numbers | None = None,
+    rounding: float = 0.0,
 ) -> Balance:
     """Balance of rows in time, over the largest change of any of them or a given `size`; a
-    `mismatch` is named, but is part of the residual all the same: it comes from nowhere.
+    `mismatch` is named, but is part of the residual all the same: it comes from nowhere. What is
+    no more than their `rounding`, in `unit`, is zero.
     """
     rows = [*inputs.values(), *outputs.values()]
     size = max(size, *(float(np.max(np.abs(row - row[0]))) for row in rows))
@@ -211,6 +218,7 @@ def _balance(
     residual, made = sum(ends_in.values()) - sum(ends_out.values()), 0.0
     if mismatch is not None:
         ends_out[_MADE] = made = float(mismatch[-1] - mismatch[0])
-        made = made if abs(made) > tolerance * size else 0.0
-    relative = float(abs(residual) / size) if size > 0 else 0.0
+        made = made if abs(made) > max(tolerance * size, rounding) else 0.0
+    is_closed = abs(residual) <= rounding or not size > 0
+    relative = 0.0 if is_closed else float(abs(residual) / size)
     return Balance(name, unit, ends_in, ends_out, residual, relative, tolerance, made)

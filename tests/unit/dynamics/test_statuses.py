@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 
 import fascicle as fs
 from fascicle import dynamics, fluid
+from fascicle.dynamics.outputs import LEDGER
 
 
 @pytest.fixture(scope="module")
@@ -161,3 +162,21 @@ def test_a_tank_loses_pressure(single):
     held = run.outputs.masses[-1, 0] - run.outputs.masses[0, 0]
     # trapezoids over a step in which a valve turns
     assert_allclose(drawn - vented, held, rtol=0, atol=0.02 * drawn)
+
+
+@pytest.mark.parametrize("fluid_name", ["air", "oil"])
+def test_a_run_in_which_nothing_moves_closes(single, fluid_name):
+    """All terms are roundings of the fluid's 3 J; a ten-billionth of them is more than that."""
+    load, valve = dynamics.InertiaSpringDamper(2.0, 3e3), fluid.SonicValve(1e-9, 0.3)
+    plant = in_oil(single, load, compliance=1e-11)
+    if fluid_name == "air":
+        supply = fluid.ConstantSupply(413.7e3)
+        plant = dynamics.Plant(single, load, supply, fluid.AdiabaticWall(), valve)
+    start = dynamics.equilibrium_state(plant, 1e5)
+    run = dynamics.simulate(plant, np.zeros((200, 1)), start=start)
+    assert np.ptp(run.outputs.position) < 1e-12
+    assert dynamics.audit(plant, run).closes
+    column = LEDGER.index("pull")
+    ledger = np.array(run.ledger)
+    ledger[-1, column] += 3e-10
+    assert not dynamics.audit(plant, run._replace(ledger=ledger)).closes
