@@ -107,8 +107,8 @@ def check_action(action: Numbers, shape: tuple[int, ...]) -> np.ndarray:
     """
     values = np.asarray(action, float)
     if values.shape != shape or not np.isfinite(values).all():
-        rule = f"must be finite numbers of the shape {shape}"
-        text = f"the shape {values.shape}" if values.shape != shape else str(values.tolist())
+        rule, bad = f"must be finite numbers of the shape {shape}", values[~np.isfinite(values)]
+        text = f"{bad[0]}" if bad.size else f"the shape {values.shape}"
         raise InvalidInputError("action", rule, None, shown=text)
     return np.clip(values, -1.0, 1.0)
 

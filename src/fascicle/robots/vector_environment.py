@@ -20,6 +20,7 @@ from gymnasium.vector.utils import batch_space
 from ..core.errors import InvalidInputError
 from ..core.types import Marks, Numbers, PyTree, Values
 from ..core.validation import check_interval, check_whole_number
+from .attach import check_model
 from .drive import Drive, Fluid, with_types
 from .environments import (
     FRAMES,
@@ -88,11 +89,15 @@ class VectorEnvironment(VectorEnv):
         self._frames = check_whole_number(frames, "frames", 1)
         self._begin_episode, self._observe, self._reward = begin, observe, reward
         self._measure = measure or (lambda *_: {})
+        check_model(model, "model", ("MjModel",))
         drives = [drives] if isinstance(drives, Drive) else list(drives)
         structures = {str(jax.tree.structure(drive)) for drive in drives}
-        if len(structures) != 1:
-            rule = "must be one, or several of the same structure"
-            raise InvalidInputError("drives", rule, None, shown=f"{len(structures)} structures")
+        if len(structures) != 1 or not isinstance(drives[0], Drive):
+            rule = "must be a Drive, or several of the same structure"
+            text = (
+                f"{len(structures)} structures of {', '.join({type(x).__name__ for x in drives})}"
+            )
+            raise InvalidInputError("drives", rule, None, shown=text)
         self.model, self._valved, units = model, drives[0].valved, drives[0].units
         self._highest = min(float(np.min(drive.plant.muscles.highest_pressure)) for drive in drives)
         P = check_interval(pressures, 0.0, self._highest, "pressures", "Pa", closed=(True, True))
@@ -163,6 +168,11 @@ class VectorEnvironment(VectorEnv):
         """Begin episodes of the environments in the mask `fresh`, at first of all."""
         self._steps[fresh] = 0
         episodes = [self._begin_episode(self._generators[i]) for i in np.flatnonzero(fresh)]
+        shapes = [np.shape(x) for x in episodes[0]]
+        needed = [self._blank.qpos.shape, self._blank.qvel.shape]
+        if len(shapes) != 3 or shapes[:2] != needed:
+            rule = f"must return qpos {needed[0]}, qvel {needed[1]} and a goal"
+            raise InvalidInputError("begin", rule, None, shown=f"the shapes {shapes}")
         rows = jax.tree.map(lambda *leaves: np.stack(leaves), *episodes)
         if self._state is None:
             self._positions, self._speeds, self._goals = rows
@@ -196,17 +206,27 @@ class VectorEnvironment(VectorEnv):
 
         after = jax.lax.scan(frame, (data, fluid), length=self._frames)[0]
         data, fluid = jax.tree.map(lambda x, y: jnp.where(fresh, x, y), (data, fluid), after)
-        value = jnp.where(fresh, 0.0, self._reward(Episode(data, fluid, goal), action))
-        return (data, fluid), value, fluid.inside
+        value = _check_axes("reward", self._reward(Episode(data, fluid, goal), action), 0)
+        return (data, fluid), jnp.where(fresh, 0.0, value), fluid.inside
 
     def _view_one(self, data: Data, fluid: Fluid, goal: Numbers) -> tuple[Numbers, dict]:
         """Observation and measurements of one environment."""
         episode = Episode(data, fluid, goal)
-        return jnp.asarray(self._observe(episode), jnp.float32), self._measure(episode)
+        row = _check_axes("observe", self._observe(episode), 1)
+        return row.astype(jnp.float32), self._measure(episode)
 
     def _results(self) -> tuple[np.ndarray, dict]:
         """Observations [-] and what is measured [SI]."""
         return jax.tree.map(np.asarray, self._view(*self._state, self._goals))
+
+
+def _check_axes(function: str, value: Numbers, axes: int) -> jax.Array:
+    """The `value` of a caller's `function` [any unit], refused with more or fewer `axes`."""
+    array = jnp.asarray(value)
+    if array.ndim != axes:
+        rule = f"must return {'a row of numbers' if axes else 'a number'}"
+        raise InvalidInputError(function, rule, None, shown=f"the shape {array.shape}")
+    return array
 
 
 def _vector_of(

@@ -242,6 +242,34 @@ def test_any_model_with_other_muscles_in_each_environment(elbow, bundle):
     assert (many.step(actions[0])[4]["angle"] == 0.6).all()
 
 
+@pytest.mark.parametrize(
+    ("argument", "changes"),
+    [
+        ("model", {"model": "arm.xml"}),
+        ("drives", {"drives": []}),
+        ("drives", {"drives": [None]}),
+        ("num_envs", {"num_envs": 0}),
+        ("begin", {"begin": lambda _: (np.zeros(1), np.zeros(1))}),
+        ("begin", {"begin": lambda _: (np.zeros(3), np.zeros(1), 0.0)}),
+        ("observe", {"observe": lambda e: e.data.qpos[0]}),
+        ("reward", {"reward": lambda e, _: e.data.qpos}),
+    ],
+)
+def test_a_vector_environments_mistakes_are_refused(elbow, argument, changes):
+    model, _, drive = elbow()
+    arguments = {
+        "model": model,
+        "drives": drive,
+        "num_envs": 2,
+        "begin": lambda _: (np.zeros(1), np.zeros(1), np.float64(0.1)),
+        "observe": lambda e: e.data.qpos,
+        "reward": lambda e, _: e.data.qpos[0],
+    }
+    with pytest.raises(InvalidInputError) as error:
+        VectorEnvironment(**(arguments | changes)).step(np.zeros((2, 2)))
+    assert error.value.argument == argument and "\n" not in str(error.value)
+
+
 ASYNC = """
 import os
 import subprocess
