@@ -196,15 +196,11 @@ class Joint:
         balanced = np.sort(second, axis=0) + torque / self.moment_arm
         low, high = np.sort(first, axis=0)
         exists = (balanced[0] <= high) & (balanced[1] >= low)
-        strain, ends = self._strains(angle)[0], (0.0 * angle, 0.0 * angle + self.highest_pressure)
-        pressures = []
+        strain, pressures = self._strains(angle)[0], []
         for force in np.clip(balanced, low, high):
-            root = elementwise.find_root(
-                lambda P, eps, force: _pull(self.agonist, P, eps)[0] - force,
-                ends,
-                args=(strain, force),
-            ).x
-            root = np.where(force == first[0], ends[0], np.where(force == first[1], ends[1], root))
+            root = self._pressure_of(self.agonist, force, strain)
+            root = np.where(force == first[1], self.highest_pressure, root)
+            root = np.where(force == first[0], 0.0, root)
             pressures.append(np.where(exists, root, np.nan))
         start, end = np.sort(pressures, axis=0)
         # just inside: at an end itself rounding decides whether the antagonist's pressure exists
@@ -215,19 +211,19 @@ class Joint:
         """Pressure of the antagonist [Pa] with which a pressure of the `agonist` [Pa] gives a
         `torque` [N·m] at an `angle` [rad]; NaN if none does.
         """
-        arguments = np.broadcast_arrays(agonist, angle, torque)
-        # an empty muscle pulls at least as much as a dip, so that the root on the rising branch is
-        # the only one
+        first, second = self._strains(angle)
+        force = _pull(self.agonist, agonist, first)[0] - torque / self.moment_arm
+        return self._pressure_of(self.antagonist, force, second)
+
+    def _pressure_of(self, bundle: Bundle, force: Numbers, strain: Numbers) -> Numbers:
+        """Pressure [Pa] of a `force` [N] of a bundle at a plates' `strain` [-]; NaN if none."""
+        # an empty muscle pulls at least as much as a dip, so that the root on the branch that
+        # leads from an empty to a full one is the only one
+        arguments = np.broadcast_arrays(strain, force)
         ends = 0.0 * arguments[0], 0.0 * arguments[0] + self.highest_pressure
         return elementwise.find_root(
-            lambda P2, P1, *demand: self._excess_torque(P1, P2, *demand), ends, args=arguments
+            lambda P, eps, demand: _pull(bundle, P, eps)[0] - demand, ends, args=arguments
         ).x
-
-    def _excess_torque(
-        self, agonist: Numbers, antagonist: Numbers, angle: Numbers, torque: Numbers
-    ) -> Numbers:
-        """Torque above a demanded one [N·m] at two pressures [Pa] and an `angle` [rad]."""
-        return self._evaluate(agonist, antagonist, angle)[0] - torque
 
     def _excess(
         self, agonist: Numbers, angle: Numbers, torque: Numbers, stiffness: Numbers
