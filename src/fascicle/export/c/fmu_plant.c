@@ -94,14 +94,15 @@ static status send(slave *it)
 static status advance(slave *it, double time, double step)
 {
     const double end = time - it->start + step, nearly = 1e-9 * longest_step;
-    const status now = send(it);
+    status now;
 
+    it->time = time - it->start;
+    now = send(it);
     if (now != OK) return now;
     it->acting.supply = it->of[SUPPLY_PRESSURE];
 #if !PRESCRIBED
     it->acting.force = it->of[LOAD_FORCE];
 #endif
-    it->time = time - it->start;
     it->folded = 0;
     while (it->time < end - nearly) {
         double until = end, h;
