@@ -16,12 +16,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax.scipy.special import log_ndtr
 
-from ..core.errors import InvalidInputError
+from ..core.errors import InvalidInputError, require
 from ..jax import jax
 from .calibration import Calibration, value_of
 
-
-INSTALL = "`--posterior` needs the package numpyro: pip install 'fascicle[posterior]'."
 
 _ACCEPT = 0.95  # probability: kinks at collapse, and undetermined constants, need short steps
 
@@ -61,18 +59,18 @@ def sample(
 ) -> Posterior:
     """Draw from the posterior of a calibration: each chain `draws`, after `warmup` others.
 
-    **Raises:** `InvalidInputError` for a robust loss; `ValueError` if numpyro is not installed.
+    **Raises:** `InvalidInputError` for a robust loss; `MissingExtraError` if numpyro is not
+    installed.
     """
     if calibration.problem.loss != "linear":
         rule, remedy = "must be linear for a posterior", "a robust loss is no model of noise"
         raise InvalidInputError("loss", rule, None, remedy)
-    try:
-        import numpyro
-        from numpyro import distributions as dist
-        from numpyro.diagnostics import effective_sample_size, split_gelman_rubin
-        from numpyro.infer import MCMC, NUTS, init_to_median
-    except ImportError:
-        raise ValueError(INSTALL) from None
+    require("numpyro")
+    import numpyro
+    from numpyro import distributions as dist
+    from numpyro.diagnostics import effective_sample_size, split_gelman_rubin
+    from numpyro.infer import MCMC, NUTS, init_to_median
+
     target = _Target(calibration)
 
     def model() -> None:

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 import fascicle as fs
 from fascicle.calibrate.least_squares import linearize
 from fascicle.calibrate.posterior import _Target, sample
+from fascicle.core.errors import MissingExtraError
 
 
 pytest.importorskip("numpyro")
@@ -90,5 +91,6 @@ def test_a_robust_loss_has_no_posterior(made):
 
 def test_without_numpyro_it_says_what_to_install(made, monkeypatch):
     monkeypatch.setitem(sys.modules, "numpyro", None)
-    with pytest.raises(ValueError, match=r"pip install 'fascicle\[posterior\]'"):
+    with pytest.raises(MissingExtraError) as error:
         sample(made)
+    assert error.value.name == "numpyro"

@@ -81,7 +81,7 @@ def test_a_message_has_the_limits_of_a_slider(dial):
     dial.show(1e5, "kPa", SUPPLY)
     dial.field.input.value = "414"
     message = dial.field.message
-    assert "Pressure P must lie in [0, 413.7] kPa, got 414 kPa." in message.text
+    assert all(message.text.count(x) for x in ("Pressure P", "[0, 413.7] kPa", "414 kPa"))
     dial.field.input.value = "100 kPa"  # the value shown before
     assert not message.text
 
