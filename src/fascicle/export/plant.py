@@ -173,6 +173,7 @@ def _template_values(plant: Plant, begin: State, longest_step: float) -> dict[st
         "plate_length": _number(plant.distances[0]),
         "dead": per_unit(chamber.dead_volume),
         "room": per_unit(chamber.room_pressure),
+        "lowest_pressure": per_unit(chamber.lowest_pressure),
         "room_warmth": per_unit(chamber.room_temperature),
         "supply_warmth": _number(plant.supply.temperature_at(begin.supply)),
         "supply_pressure": _number(plant.supply_pressure),
@@ -191,7 +192,7 @@ def _template_values(plant: Plant, begin: State, longest_step: float) -> dict[st
     # those of other chambers and spools are in parts of the template that aren't compiled
     medium = chamber.liquid if plant.liquid else chamber.gas
     media = ("specific_gas_constant", "heat_capacity_ratio")
-    media += ("reference_density", "bulk_modulus", "vapor_pressure")
+    media += ("reference_density", "bulk_modulus")
     spools = ("time_constant", "period", "opening_delay", "closing_delay")
     walls = ("conductance", "compliance")
     for part, keys in ((medium, media), (chamber, walls), (spool, spools)):

@@ -23,11 +23,12 @@ static const double plate_length = @plate_length@; /* [m] */
 
 static const double dead[UNITS] = {@dead@};             /* [m3], of hoses and fittings */
 static const double room[UNITS] = {@room@};             /* [Pa], absolute */
+static const double lowest_pressure[UNITS] = {@lowest_pressure@}; /* [Pa]: it's empty or boils */
 static const double room_warmth[UNITS] = {@room_warmth@}; /* [K] */
 static const double supply_warmth = @supply_warmth@;    /* [K] */
 #if CHAMBER == LIQUID
 static const double density[UNITS] = {@reference_density@}, bulk[UNITS] = {@bulk_modulus@};
-static const double vapor[UNITS] = {@vapor_pressure@}, compliance[UNITS] = {@compliance@};
+static const double compliance[UNITS] = {@compliance@}; /* [m3/Pa] */
 #else
 static const double gas_constant[UNITS] = {@specific_gas_constant@}; /* [J/(kg K)] */
 #endif
@@ -51,7 +52,8 @@ static const double overlap[UNITS] = {@overlap@};
 static const double time_constant[UNITS] = {@time_constant@}; /* [s] */
 #elif SPOOL == SOLENOID
 static const double period[UNITS] = {@period@}; /* [s] */
-static const double opening_delay[UNITS] = {@opening_delay@}, closing_delay[UNITS] = {@closing_delay@};
+static const double opening_delay[UNITS] = {@opening_delay@}; /* [s] */
+static const double closing_delay[UNITS] = {@closing_delay@}; /* [s] */
 #endif
 
 #if PRESCRIBED
@@ -181,7 +183,8 @@ static double warmth(int unit, const double chamber[2])
 }
 
 /* mass flow [kg/s] from 1 to 2, absolute pressures [Pa], of a valve open by a share */
-static double flow(const double valve[5], double p_1, double p_2, double T_1, double T_2, double open)
+static double flow(const double valve[5], double p_1, double p_2, double T_1, double T_2,
+                   double open)
 {
 #if CHAMBER == LIQUID
     /* (F8) */
@@ -269,9 +272,9 @@ static evaluation evaluate(const state *s, const action *from)
     for (i = 0; i < UNITS; i++) {
         const double *chamber = s->chamber[i], P = s->pressure[i], p = P + room[i];
         const double eps = unit_strain(i, q), eps_dot = v / length[kind_of[i]];
-        const double T = warmth(i, chamber), T_a = room_warmth[i], strains[2] = {low[kind_of[i]], high[kind_of[i]]};
+        const double T = warmth(i, chamber), T_a = room_warmth[i];
         const fluid at = fluid_at(i, eps, P, chamber);
-        double open[2], drawn, vented, fixed[2] = {0, 0}, rising, growing, lowest;
+        double open[2], drawn, vented, fixed[2] = {0, 0}, rising, growing;
 
         openings(i, from->command[i], s->spool[i], open);
         drawn = flow(valves[0][i], from->supply + room[i], p, supply_warmth, T, open[0]);
@@ -304,14 +307,10 @@ static evaluation evaluate(const state *s, const action *from)
         it.volume[i] = at.volume;
         it.pull += at.force;
         it.drawn += drawn;
-#if CHAMBER == LIQUID
-        lowest = vapor[i] - room[i];
-#else
-        lowest = -room[i];
-#endif
         if (at.slope <= 0) it.flags |= FOLDED;
-        if (lowest + 100 >= P) it.flags |= CAVITATES;
-        if (eps < strains[0] || eps > strains[1] || P > top[kind_of[i]]) it.flags |= OFF_TABLE;
+        if (lowest_pressure[i] + 100 >= P) it.flags |= CAVITATES;
+        if (eps < low[kind_of[i]] || eps > high[kind_of[i]] || P > top[kind_of[i]])
+            it.flags |= OFF_TABLE;
         if (fabs(at.residual / usable(&at, at.slope)) > 1 + 1e-4 * fabs(P)) it.flags |= UNSETTLED;
     }
     it.rate.position = v;
@@ -331,11 +330,7 @@ static void project(int unit, const double conserved[2], double eps, double *pre
                     double chamber[2])
 {
     const double guess = *pressure, zero_chamber[2] = {0, 0};
-#if CHAMBER == LIQUID
-    const double lowest = vapor[unit] - room[unit];
-#else
-    const double lowest = -room[unit];
-#endif
+    const double lowest = lowest_pressure[unit];
     const fluid first = fluid_at(unit, eps, guess, zero_chamber);
     const double base = conserved[1] + push(unit, guess) * first.volume;
     double P = guess, before = guess, volume;
