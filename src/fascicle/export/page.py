@@ -152,9 +152,8 @@ def _table_data(table: MuscleTable) -> dict[str, object]:
 
 def _theme(colors: "Colors") -> dict[str, object]:
     """Colors by name for the page's scripts, which draw its figures, from these `colors`."""
-    from ..plot.theme import VERMILION, mix
+    from ..plot.theme import mix
 
     names = ("ink", "soft", "edge", "line", "paper", "bad", "curves")
     family = [mix(colors.curves[3], colors.good, i / 7) for i in range(8)]
-    theme = {name: getattr(colors, name) for name in names}
-    return theme | {"mark": VERMILION, "family": family}
+    return {name: getattr(colors, name) for name in names} | {"family": family}

@@ -225,7 +225,7 @@ function drawForce(shown) {
     });
   }
   chart.line(curveOf(bundle, top), total, 2.6);
-  chart.mark(shown.strain, shown.force, colors.mark, `${figures(shown.force)} N`, 7);
+  chart.mark(shown.strain, shown.force, colors.ink, `${figures(shown.force)} N`, 7);
   chart.mark(0, shown.blocked, total);
   if (Number.isFinite(shown.free)) chart.mark(shown.free, 0, total,
                                              `free ${figures(shown.free)}`);
@@ -299,7 +299,7 @@ function drawReversal(shown) {
   const colors = theme(), values = reversal.y.filter(Number.isFinite);
   const [low, high] = [Math.min(...values), Math.max(...values)], pad = 0.08 * (high - low) || 0.01;
   reversalChart.begin([0, DATA.highest / KPA], [Math.max(low - pad, 0), high + pad]);
-  const color = reversal.key === key ? colors.curves[0] : colors.edge;
+  const color = reversal.key === key ? colors.ink : colors.edge;
   for (const part of reversal.parts) reversalChart.line(part, color, 2.6);
   if (reversal.jump) reversalChart.line(reversal.jump, color, 2, [2, 3]);
   const [turn, free] = reversal.turn, depth = reversal.y[0] - free;
@@ -310,7 +310,7 @@ function drawReversal(shown) {
     : "The free strain never falls: there is no reversal.";
   if (turns) reversalChart.mark(turn / KPA, free, colors.bad, "reversal");
   if (Number.isFinite(shown.free)) {
-    reversalChart.mark(view.pressures[1] / KPA, shown.free, colors.mark, "", 7);
+    reversalChart.mark(view.pressures[1] / KPA, shown.free, colors.ink, "", 7);
   }
   reversalChart.writeLabels();
 }
@@ -330,7 +330,7 @@ function drawDeflection(shown) {
     deflectionChart.line(curve, color, 2.6, isBundle ? [6, 4] : []);
     const depth = `${figures(shown.units[i].deflection / MM)} mm`;
     const label = isBundle ? `unit ${i + 1}: ${depth}` : depth;
-    deflectionChart.mark(shown.strain, shown.units[i].deflection / MM, colors.mark, label, 7);
+    deflectionChart.mark(shown.strain, shown.units[i].deflection / MM, colors.ink, label, 7);
   });
   deflectionChart.writeLabels();
 }
