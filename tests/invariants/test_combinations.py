@@ -91,7 +91,9 @@ def held(seed):
     near = muscle.response(P, strain + 1e-9)
     steep = 1e-8 * np.abs(muscle.stiffness(P, strain)) * float(muscle.length)
     apart = np.abs(near.force - found.force)
-    assert np.all((apart < steep + 1e-7 * largest) | near.several | found.several)
+    # a root of the strain begins, too, where a muscle without pressure has no moment of collapse
+    root = np.abs(strain - muscle.collapse_strain(P)) < 1e-8
+    assert np.all((apart < steep + 1e-7 * largest) | near.several | found.several | root)
     later = muscle.response(P[:3] * (1 + 1e-10) + 1e-9, strain)
     apart = np.abs(later.force - found.force[:3])
     assert np.all((apart < 1e-6 * largest) | later.several | found.several[:3])
