@@ -156,4 +156,4 @@ def _theme(colors: "Colors") -> dict[str, object]:
 
     names = ("ink", "soft", "edge", "line", "paper", "bad", "curves")
     family = [mix(colors.curves[3], colors.good, i / 7) for i in range(8)]
-    return {name: getattr(colors, name) for name in names} | {"family": family}
+    return {**{name: getattr(colors, name) for name in names}, "family": family}
