@@ -169,13 +169,14 @@ def _grid(laws: "list[Piecewise]", supply: float) -> Array:
     for law in laws:
         for kink, strains in enumerate(_kink_strains(law.at(levels * supply))):
 
-            def side(level: Array, law: "Piecewise" = law, kink: int = kink) -> Array:
+            def presence(level: Array, law: "Piecewise" = law, kink: int = kink) -> Array:
+                # changes its sign where the kink begins or ends
                 exists = np.isfinite(_kink_strains(law.at(level * supply))[kink])
                 return np.where(exists, -1.0, 1.0) + 0.0 * level
 
             exists = np.isfinite(strains + 0.0 * levels)
             if len(i := np.flatnonzero(exists[1:] != exists[:-1])):
-                end = elementwise.find_root(side, (levels[i], levels[i + 1])).x
+                end = elementwise.find_root(presence, (levels[i], levels[i + 1])).x
                 ends += [end - _SIDE, end + _SIDE]
     return _rising(*ends)
 

@@ -51,7 +51,7 @@ def bundle_table(bundle: "Bundle") -> ReprTable:
 
 
 def bundle_line(bundle: "Bundle") -> str:
-    """Python expression of a bundle."""
+    """Python expression of a bundle, without a supply pressure or length that is an array."""
     texts = [f"{list(bundle.motor_units)!r}"]
     if bundle.supply_pressure is not None and np.ndim(bundle.supply_pressure) == 0:
         texts.append(f"supply_pressure={exact(float(bundle.supply_pressure), 'pressure')!r}")

@@ -82,7 +82,7 @@ class Orderly(AbstractScheme):
     name = "orderly"
 
     def states(self, units: int) -> Sequence[State]:
-        """A state for each of the `units`."""
+        """A state for each of the `units`: it throttled, those before it full."""
         return [State(full=range(k), throttled=(k,)) for k in range(units)]
 
 
@@ -93,7 +93,7 @@ class Batch(AbstractScheme):
     name = "batch"
 
     def states(self, units: int) -> Sequence[State]:
-        """A state for each of the `units`."""
+        """A state for each of the `units`: it and those before it throttled alike."""
         return [State(full=(), throttled=range(k + 1)) for k in range(units)]
 
 

@@ -299,7 +299,7 @@ class Cascade(Module):
     def _predict_friction(
         self, memory: CascadeMemory, reference: Batch, measurement: Measurement
     ) -> tuple[Batch, Numbers]:
-        """Predicted friction along the reference [SI], and its forces [N]."""
+        """Predicted friction along the reference [SI], and its springs' forces [N] after it."""
         if self.friction is None:
             return 0.0 * reference, memory.friction
         plant, P = self.plant, maximum(measurement.pressures, 0.0)

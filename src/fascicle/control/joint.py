@@ -166,8 +166,8 @@ class Joint:
         return self.strain + shortening / first, self.strain - shortening / second
 
     def _end_forces(self, angle: Numbers) -> tuple[Numbers, Numbers]:
-        """Forces [N] of agonist and antagonist at an `angle` [rad], empty and full on the first
-        axis.
+        """Forces [N] of agonist and antagonist at an `angle` [rad], empty and at the highest
+        pressure of the joint on the first axis.
         """
         ends = np.array([[0.0], [self.highest_pressure]])
         bundles = zip((self.agonist, self.antagonist), self._strains(angle), strict=True)

@@ -49,7 +49,7 @@ class AbstractValves(Module):
 
     @abc.abstractmethod
     def flow(self, pressure: Numbers) -> Batch:
-        """Flow through the open valve [kg/s or m³/s] at gauge `pressure` [Pa] of the unit [SI]."""
+        """Flow [kg/s or m³/s] from the supply into a unit of gauge `pressure` [Pa]."""
 
 
 class GasValves(AbstractValves):

@@ -52,11 +52,11 @@ def where(condition: Marks, x: Numbers, y: Numbers) -> Numbers:
 def _elementwise(name: str) -> Callable[..., Numbers]:
     """NumPy's function of this name, in the array library of its arguments."""
 
-    def function(*arrays: Numbers) -> Numbers:
+    def call(*arrays: Numbers) -> Numbers:
         return getattr(array_namespace(*arrays), name)(*arrays)
 
-    function.__name__ = function.__qualname__ = name
-    return function
+    call.__name__ = call.__qualname__ = name
+    return call
 
 
 sqrt = _elementwise("sqrt")

@@ -234,5 +234,6 @@ class PrescribedMotion(AbstractLoad):
         return 1.0 + 0.0 * self.mean  # any: it has no effect
 
     def motion_at(self, time: Batch, position: Batch, velocity: Batch) -> tuple[Batch, Batch]:
+        """Prescribed position and velocity [SI] at `time` [s], whatever the other arguments."""
         w = 2 * np.pi * self.frequency
         return self.mean + self.amplitude * sin(w * time), self.amplitude * w * cos(w * time)

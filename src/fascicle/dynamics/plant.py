@@ -193,7 +193,7 @@ class Plant(Module):
 
 
 def _check_fit(bundles: tuple[Bundle, ...], parts: dict[str, Any]) -> None:
-    """Refuse `parts` that don't go together with each other or the plant's `bundles`."""
+    """Refuse `parts` of a wrong type or for another fluid, or unlike the load in `bundles`."""
     for name, part in parts.items():
         kind: Any = getattr(attrs.fields(Plant), name).type
         if not isinstance(part, kind):

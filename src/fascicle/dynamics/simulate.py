@@ -380,7 +380,7 @@ def estimate_substeps(plant: Plant, dt: float) -> StepSizeEstimate:
 
 
 def _chamber_rates(plant: Plant) -> dict[str, float]:
-    """Fastest filling of chambers through open valves, and fastest motion of spools [1/s]."""
+    """Fastest decay of a chamber's pressure through open valves, and of a spool [1/s], by name."""
     top, chamber = plant.supply_pressure, plant.chamber
     # flow is steepest where pressures are nearly equal
     guess = top * np.logspace(-6, 0, 61)

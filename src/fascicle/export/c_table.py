@@ -341,7 +341,7 @@ def _up(value: float) -> str:
 
 
 def _rounding_error(surface: MuscleTable) -> float:
-    """Error of single precision in a force [N]: the co-energy's last digit over a cell."""
+    """Estimate of single precision's error in a force [N]: roundings of co-energy over a cell."""
     table = nodes(surface)
     low, high = (float(x) for x in surface.strains)
     step = (high - low) / (table.shape[1] - 1)

@@ -78,14 +78,14 @@ class Accumulator(AbstractSupply):
             rule = f"must lie above the `precharge` of {float(np.max(P_0)):g} Pa"
             remedy = "below it there is no liquid"
             raise InvalidInputError("pressure", rule, low, remedy, f"{low:g} Pa")
-        fill = float(np.max(-expm1(-self._log_ratio(P))))
+        fill = float(np.max(-expm1(-self._log_volume_ratio(P))))
         if fill > _FULL:
             rule = f"must leave the gas 0.01 of `volume`, got a share of {1 - fill:.3g}"
             raise InvalidInputError("pressure", rule, fill, "raise the `precharge`", shown="")
 
     def stored_volume(self, pressure: Batch) -> Batch:
         """Volume $V_l$ of liquid [m³] at gauge `pressure` [Pa]; negative below the precharge."""
-        return -self.volume * expm1(-self._log_ratio(pressure))
+        return -self.volume * expm1(-self._log_volume_ratio(pressure))
 
     def initial_state(self) -> Numbers:
         return stack_last(self.liquid.density(self.pressure) * self.stored_volume(self.pressure))
@@ -110,7 +110,7 @@ class Accumulator(AbstractSupply):
 
     def energy(self, pressure: Batch) -> Batch:
         """Energy [J] at gauge `pressure` [Pa] over the empty one's, equation (F19)."""
-        x = self._log_ratio(pressure)
+        x = self._log_volume_ratio(pressure)
         V_l = -self.volume * expm1(-x)
         z = (self.exponent - 1) * x
         # (e^z - 1)/z, whose limit at z = 0, an isothermal gas, is 1
@@ -128,7 +128,7 @@ class Accumulator(AbstractSupply):
     def empty(self, state: Numbers) -> BoolBatch:
         return state[..., 0] <= 0
 
-    def _log_ratio(self, pressure: Batch) -> Batch:
+    def _log_volume_ratio(self, pressure: Batch) -> Batch:
         """Logarithm $x$ of (F18) [-] at gauge `pressure` [Pa]."""
         p, p_0 = pressure + self.room_pressure, self.precharge + self.room_pressure
         return log(guarded(p > 0, p, p_0) / p_0) / self.exponent

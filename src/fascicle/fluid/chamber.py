@@ -165,7 +165,9 @@ class AbstractGasChamber(AbstractChamber):
     gas: Gas = component_field("gas", (Gas,), default=AIR, kw_only=True)
 
     def _room_mass(self, pressure: Batch, volume: Batch) -> Batch:
-        """Mass [kg] at gauge `pressure` [Pa], as warm as the room, in a `volume` [m³]."""
+        """Mass [kg] at gauge `pressure` [Pa], as warm as the room, in a `volume` [m³] of muscles
+        and the dead volume.
+        """
         rho = self.gas.density(pressure + self.room_pressure, self.room_temperature)
         return rho * (volume + self.dead_volume)
 

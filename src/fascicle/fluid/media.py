@@ -107,7 +107,7 @@ class Liquid(Module):
         return self.reference_density * exp(pressure / self.bulk_modulus)
 
     def flow_energy(self, pressure: Batch) -> Batch:
-        """Specific energy of the flow, $h$ [J/kg], at gauge `pressure` [Pa]."""
+        """Specific enthalpy over that of the room, $h$ [J/kg], at gauge `pressure` [Pa]."""
         K, rho_0 = self.bulk_modulus, self.reference_density
         return -K / rho_0 * expm1(-pressure / K)
 

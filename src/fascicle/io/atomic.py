@@ -120,8 +120,8 @@ def write_folder(
     path: str | os.PathLike[str], fill: Callable[[Path], object], overwrite: bool = False
 ) -> list[str]:
     """Let `fill` write the files of a folder into an empty one, move them to `path` once all are
-    complete, and return their names, sorted. A new folder appears in one step; in an existing one
-    files of other names stay. Raises as `check_folder`.
+    complete, and return their names, sorted. A new folder appears in one step; into an existing
+    one files go one by one, and those of other names stay. Raises as `check_folder`.
     """
     target = draft = check_folder(path, overwrite)
     try:

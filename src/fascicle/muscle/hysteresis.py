@@ -191,7 +191,7 @@ class Dahl(AbstractHysteresis):
 
 
 class Coulomb(AbstractHysteresis):
-    """Dry friction of a width in pressure, with the sign of the speed, (H3): no memory.
+    """Dry friction of a width in pressure, with a smooth sign of the speed, (H3): none at rest.
 
     `width`: $w$, by which the pressure seems lower in contraction, higher in extension [Pa].
     `velocity`: $v_0$, at which friction is three quarters of its limit [m/s].

@@ -27,5 +27,5 @@ OMIT_IF_DEFAULT = frozenset({"ends"})
 
 
 def is_written_out(kind: str, law: AbstractLaw) -> bool:
-    """True where files and tables name this law of a muscle."""
+    """True where files and tables name this law of a muscle: all but default ends."""
     return kind not in OMIT_IF_DEFAULT or type(law) is not LAWS[kind].default

@@ -45,7 +45,7 @@ class SoftEnds(MuscleWrapper):
 
     @classmethod
     def from_muscles(cls, muscles: AbstractMuscles, lengths: Numbers) -> "SoftEnds":
-        """Springs as stiff as the `muscles` are at the low ends of their tables, at most."""
+        """Springs as stiff as the `muscles` at their tables' low ends, at the stiffest pressure."""
         low = np.asarray(muscles.strains[0])
         pressures = np.linspace(0.0, np.asarray(muscles.highest_pressure), 51)
         slopes = np.asarray(muscles.at(pressures, low + 0.0 * pressures).force_by_strain)

@@ -320,7 +320,7 @@ class _Fits(NamedTuple):
 
 
 def _fit_polynomials() -> _Fits:
-    """The elastica's polynomials, fitted at points computed from $K$ and $E$."""
+    """Chord, its slope and $m$ over the load, and load over the squared bend, as polynomials."""
     # a search for m at each load would need dK/dm and dE/dm, which are 0/0 at the onset, m = 0
     low, high = -0.03, _ENDS_MEET + 0.02  # beyond both ends, where a search may step
     # many more points than the degree needs, so that nothing is aliased

@@ -75,7 +75,7 @@ class Kothera2009(AbstractTension):
 
 
 def _bore(wall: Batch, inside: Batch, slope: Batch) -> tuple[Batch, Batch]:
-    """Ratio $r_i/r$ [-] and its slope, by volumes of `wall` and `inside`, over that at rest [-]."""
+    """Ratio $r_i/r$ [-] and its slope; `wall`, `inside`: volumes over that in the braid at rest."""
     fraction = 1 - wall / inside
     is_open = fraction > 0
     bore = where(is_open, sqrt(guarded(is_open, fraction)), 0.0)
