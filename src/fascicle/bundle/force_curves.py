@@ -130,7 +130,7 @@ class StateCurves:
         self.states = len(self.throttled)
 
     def force_at_nodes(self, strain: Array) -> Array:
-        """Force of one muscle of each kind and its slope [N], by `strain` [-], node and kind."""
+        """Force of one muscle of each kind and its slope [N], by [2, `strain` [-], node, kind]."""
         arguments = self.levels, strain[:, None], np.arange(len(self.levels))
         return np.stack([self._push(x.force(*arguments)) for x in self.muscles], axis=-1)
 
@@ -250,12 +250,13 @@ def _roots_of_batch(curves: StateCurves, force: Array, strain: Array, states: Ar
     excess = (forces[0] @ curves.throttled.T)[demand, :, state] - target[:, None]
     slack = TIE + least(np.abs(excess).min(axis=1), np.arange(len(demand)))[demand]
     near = _may_reach_zero(excess, slack[:, None])
-    search, kink, is_kink = _kinks_near(curves, state, plates, near)
-    position = search * len(curves.levels) + np.searchsorted(curves.levels, kink)
-    level = np.insert(np.tile(curves.levels, len(demand)), position, kink)
-    excess = np.insert(excess.ravel(), position, excess_at(kink, search))
+    kink_search, kink_level, is_kink = _kinks_near(curves, state, plates, near)
+    position = kink_search * len(curves.levels) + np.searchsorted(curves.levels, kink_level)
+    level = np.insert(np.tile(curves.levels, len(demand)), position, kink_level)
+    excess = np.insert(excess.ravel(), position, excess_at(kink_level, kink_search))
     smooth = ~np.insert(np.zeros(near.shape[0] * len(curves.levels), bool), position, is_kink)
-    search = np.insert(np.repeat(np.arange(len(demand)), len(curves.levels)), position, search)
+    search = np.repeat(np.arange(len(demand)), len(curves.levels))
+    search = np.insert(search, position, kink_search)
     search, level, excess = insert_extrema(excess_at, search, level, excess, slack[search], smooth)
 
     tolerance = (ROOT_TOLERANCE + _SUM_ROUNDING * np.abs(target))[search]

@@ -108,7 +108,7 @@ def recruit(
         raise InvalidInputError("force", rule, force, remedy, shown="a traced one")
     bundle, units = to_numpy(bundle), len(bundle.motor_units)
     F, eps = check_finite(force, "force", "N"), bundle._check_strain(strain)
-    supply = resolve_supply_pressure(bundle, supply)
+    supply = resolve_supply_pressure(bundle, supply, "supply")
     if nearest and scheme.independent:
         rule = f"must be 'efficiency' with scheme {scheme.name!r}"
         remedy = "pressures of its units are free: there is no list of solutions to choose from"
@@ -134,7 +134,8 @@ def recruit(
         else:
             roots = find_roots(curves, F, eps)
             pressures = states.pressures(roots.state, roots.level * supply, supply)
-            cost = np.zeros(len(roots.demand))  # they are in order of their energy already
+            # sorted by state and level already: the first of nested states takes least energy
+            cost = np.zeros(len(roots.demand))
             if nearest:
                 present = np.broadcast_to(P, (*shape, units)).reshape(-1, units)
                 cost = np.sum((pressures - present[roots.demand]) ** 2, axis=-1)
@@ -248,7 +249,7 @@ def _unit_limits(curves: StateCurves, strain: Array) -> list[Array]:
     ends = curves.force_at_nodes(strain)[0][:, [0, -1]]
     limits = [ends[:, 0], ends[:, 1]]
     unreachable = _UNREACHABLE * (10.0 + np.abs(ends).sum(axis=1)).ravel() * counts[unit]
-    for sign in (-1.0, 1.0):
+    for sign in (-1.0, 1.0):  # the nearest to a force out of reach is the least or the largest
         roots = find_roots(curves, sign * unreachable, eps, unit)
         columns = (roots.force / counts[unit], roots.level)
         limits += [column.reshape(limits[0].shape) for column in columns]

@@ -20,7 +20,13 @@ import numpy as np
 from ..core.array_namespace import array_namespace, maximum, minimum, where
 from ..core.errors import InvalidInputError
 from ..core.types import Bool, Int, Numbers, Values
-from ..core.validation import HIGHEST_PRESSURE, check_interval, check_plausible, check_scalar
+from ..core.validation import (
+    HIGHEST_PRESSURE,
+    RANGES,
+    check_interval,
+    check_plausible,
+    check_scalar,
+)
 from .schemes import AbstractScheme, scheme_of
 
 
@@ -218,15 +224,19 @@ def resolve_scheme(bundle: "Bundle", scheme: AbstractScheme | str | None) -> Abs
     return bundle.scheme if scheme is None else scheme_of(scheme)
 
 
-def resolve_supply_pressure(bundle: "Bundle", supply_pressure: Values = None) -> float:
-    """A supply pressure [Pa], by default the bundle's own; `ValueError` also for a batch."""
+def resolve_supply_pressure(
+    bundle: "Bundle", supply_pressure: Values = None, name: str = "supply_pressure"
+) -> float:
+    """A supply pressure [Pa], by default the bundle's own; errors have the
+    argument's `name`; also a batch is one.
+    """
     check_single(bundle)
     supply = bundle.supply_pressure if supply_pressure is None else supply_pressure
-    name, remedy = "supply_pressure", "the bundle has none of its own"
     if supply is None:
+        remedy = "the bundle has none of its own"
         raise InvalidInputError(name, "must be given, such as 400 kPa", None, remedy)
     P = check_interval(supply, 0.0, HIGHEST_PRESSURE, name, "Pa", "(gauge)", (False, True))
-    return check_scalar(check_plausible(P, name), name)
+    return check_scalar(check_plausible(P, name, RANGES["supply_pressure"]), name)
 
 
 def check_single(bundle: "Bundle") -> None:

@@ -87,10 +87,10 @@ class ChamberEvaluation(NamedTuple):
         # such a step changes the force by a ten-thousandth, less than a load cell shows
         return absolute(self.newton_step(self.slope)) > 1.0 + 1e-4 * absolute(self.pressures)
 
-    def pressure_rate(self, fixed_volume_rate: Numbers, strain_rate: Batch) -> Numbers:
-        """Rate of pressure [Pa/s], (T4): `fixed_volume_rate` [SI] at a `strain_rate` [1/s]."""
-        xp = array_namespace(fixed_volume_rate, strain_rate)
-        flowing = xp.sum(self.residual.by_state * fixed_volume_rate, axis=-1)
+    def pressure_rate(self, rate_at_fixed_volume: Numbers, strain_rate: Batch) -> Numbers:
+        """Rate of pressure [Pa/s], (T4): `rate_at_fixed_volume` [SI] at a `strain_rate` [1/s]."""
+        xp = array_namespace(rate_at_fixed_volume, strain_rate)
+        flowing = xp.sum(self.residual.by_state * rate_at_fixed_volume, axis=-1)
         push = flowing + self.volume_sensitivity * self.by_strain * strain_rate
         return -push / self._nonzero_slope(self.pressure_slope)
 
@@ -163,16 +163,16 @@ def conserved_state(
 def conserved_rates(
     chamber: AbstractChamber,
     chambers: Numbers,
-    fixed_volume_rate: Numbers,
+    rate_at_fixed_volume: Numbers,
     P_dot: Numbers,
     volumes: Numbers,
 ) -> Numbers:
     """Rates $\\dot k$ of the conserved states [SI], equation (T6), of states `chambers` [SI] with a
-    `fixed_volume_rate` [SI], at rates of pressure `P_dot` [Pa/s] and `volumes` [m³].
+    `rate_at_fixed_volume` [SI], at rates of pressure `P_dot` [Pa/s] and `volumes` [m³].
     """
     push = chamber.per_volume_rate
     folded = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)
-    return fixed_volume_rate - folded * volumes[..., None]
+    return rate_at_fixed_volume - folded * volumes[..., None]
 
 
 def project_chambers(

@@ -52,7 +52,7 @@ from .plant import Plant
 _NUMBERS = (jax.Array, np.ndarray, np.generic, float, int)
 _NEWTON_START = 8  # pressures of a user's `start` may be a rough guess
 _NEWTON = 2  # from integrated pressures, two steps leave 1e-12
-_TIMES, _WEIGHTS = np.array([0.0, 0.5, 0.5, 1.0]), np.array([1, 2, 2, 1]) / 6  # of stages
+_NODES, _WEIGHTS = np.array([0.0, 0.5, 0.5, 1.0]), np.array([1, 2, 2, 1]) / 6  # of stages
 # entries of the ledger that a substep adds to: friction's loss, and works taken by parts
 _FRICTION = np.array([name == "friction" for name in LEDGER], float)
 _BY_PARTS = np.array(
@@ -150,7 +150,7 @@ class Trajectory(NamedTuple):
 
 def simulate(
     plant: Plant,
-    controller: PyTree,
+    controller: Controller | Schedule | Values,
     reference: Values = None,
     dt: float = 1e-3,
     duration: float | None = None,
@@ -282,6 +282,7 @@ def _run(
         progress, memory, command, pending = carry
         time, reference, is_last = row
         state, friction_memory = progress.state, progress.friction_memory
+        # no command is known yet: what is measured doesn't depend on it
         evaluation = evaluate_plant(plant, time, state, closed, friction_memory)
         motion, force = evaluation[:2], evaluation.pull  # the muscles' force without friction
         supply = plant.supply.pressure_at(state.supply)
@@ -330,9 +331,9 @@ def _substep(
         far; volumes [m³] and folds of its chambers.
         """
         slope, total, growth = carry
-        delay, weight = weights
-        stage_state = _add_scaled(state, slope, delay * h)
-        evaluation = evaluate_plant(plant, time + delay * h, stage_state, command, friction_memory)
+        node, weight = weights
+        stage_state = _add_scaled(state, slope, node * h)
+        evaluation = evaluate_plant(plant, time + node * h, stage_state, command, friction_memory)
         slope = time_derivative(plant, stage_state, evaluation, command)
         growth = growth + weight * h * ledger_rates(plant, stage_state, evaluation)
         total = _add_scaled(total, slope._replace(chambers=evaluation.conserved_rates), weight)
@@ -340,8 +341,9 @@ def _substep(
 
     # a loop, as four copies of the stage would take four times as long to compile
     zeros = jax.tree.map(lambda x: 0.0 * x, state)
-    stages = np.stack([_TIMES, _WEIGHTS], axis=1)
+    stages = np.stack([_NODES, _WEIGHTS], axis=1)
     (_, total, growth), (volumes, folds) = lax.scan(stage, (zeros, zeros, 0.0 * ledger), stages)
+    # from here to the projection, `chambers` holds k of (T6)
     initial = conserved_state(plant.chamber, state.chambers, state.pressures, volumes[0])
     after = _add_scaled(state._replace(chambers=initial), total, h)
     q, _ = plant.load.motion_at(time + h, after.position, after.velocity)

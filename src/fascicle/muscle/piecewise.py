@@ -226,6 +226,7 @@ class PressurizedMuscle(NamedTuple):
         """Components and slope of the force [N], and masks of tension, collapse, straightness."""
         rate, L0 = self.law.rate, self.column.rest_length
         in_tension, collapsed, buckled_strain = self._regions(strain)
+        # arrays throughout, also of numbers; [()] at the end makes an array without axes a number
         where = array_namespace(in_tension, collapsed).where
         pull = self.column.pull(where(in_tension, strain, self.column.free_strain))
         push = self.law.buckling.push(self.column, buckled_strain)

@@ -134,7 +134,9 @@ class AbstractBuckling(AbstractLaw):
 
     @abc.abstractmethod
     def branch(self, column: BucklingColumn) -> PyTree:
-        """Results for a `column` that depend on pressure alone, such as its onset."""
+        """Results for a `column` that depend on pressure alone, such as its onset, of a type that
+        each law chooses for itself.
+        """
 
     @abc.abstractmethod
     def push(self, column: BucklingColumn, strain: BatchLike) -> Push:

@@ -92,9 +92,10 @@ class Kim2021(AbstractBuckling):
         cos, cos_slope = (1 - xi) / (1 - s), (s_slope * (1 - xi) / (1 - s) - 1) / (1 - s)  # (14)
         F_b = EA * s * cos  # 2 k2 l cos θ's, (16)
         F_b_slope = EA * (s_slope * cos + s * cos_slope) / (1 - eps_f)
+        free_bladder_force = column.branch
         return Push(
             mesh=pull.mesh,
-            bladder=column.branch + 0.0 * s,
+            bladder=free_bladder_force + 0.0 * s,
             bending=-F_b,
             slope=pull.mesh_slope * s_slope - F_b_slope,
             arc_strain=arc,
