@@ -185,7 +185,7 @@ class Calibration:
 
     @property
     def record(self) -> Record:
-        """The readings that were fitted, corrected for the `gauge`."""
+        """Record of the fitted readings, one by one, corrected for the `gauge`."""
         return self.fit_data.record
 
     @property

@@ -72,7 +72,7 @@ class Grid:
         return self.used & ~self.censored
 
     def without(self, mask: np.ndarray) -> "Grid":
-        """Grid of the same shape, in which the entries of a `mask` hold no readings."""
+        """Grid of the same shape, with a `count` of 0 at the entries of a `mask`."""
         return replace(self, count=np.where(mask, 0.0, self.count))
 
 
@@ -282,8 +282,8 @@ def thin(data: FitData) -> FitData:
 
 
 def pulling_only(data: FitData) -> FitData:
-    """Data in which pushes, and noise past the free strain, only say that the force is not above
-    0 N.
+    """Data in which pushes, and readings of either sign that are noise past the free strain, only
+    say that the force is not above 0 N; data on contraction as they are.
     """
     if data.reads_contraction:
         return data

@@ -157,7 +157,7 @@ def diagnose(fit: Calibration) -> Diagnosis:
 
 
 def residuals_of(fit: Calibration) -> Residuals:
-    """Residuals of a `fit`, with the rows of its priors."""
+    """Residuals of a `fit` with their slopes and conditions, then the rows of its priors."""
     problem, data, linear = fit.problem, fit.fit_data, fit.minimum.linear
     # residuals and priors are relative to the noise that the problem was solved with
     grid, noise, k = problem.grid, fit.minimum.solved_noise, len(problem.parameters)

@@ -214,10 +214,10 @@ class Problem:
     def force_and_slopes(
         self, point: Vector, columns: np.ndarray | None = None, fine: bool = False
     ) -> tuple[Table, np.ndarray]:
-        """Forces [N] at a `point`, and their Jacobian [N] by its numbers, by finite differences.
+        """Forces [N] at a `point`, and their Jacobian [N] by its numbers, by forward differences.
 
-        Differences are one-sided: constants that can't fall below zero have a kink there; `fine`
-        ones are of second order. `columns`: indices of the numbers, by default all.
+        Constants that can't fall below zero have a kink there, so that no difference is central;
+        `fine` ones are of second order. `columns`: indices of the numbers, by default all.
         """
         columns = np.arange(len(point)) if columns is None else columns
         # curves' coefficients are newtons, the others logarithms

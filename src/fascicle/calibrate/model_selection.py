@@ -264,8 +264,9 @@ def left_out_force(calibration: Calibration) -> np.ndarray:
 
 
 def possible_gauge_errors(data: FitData) -> list[str]:
-    """Zeros that a record's gauges may have beside those that it shows at rest, and a drift where
-    time runs on over several sweeps of each direction, and of each file.
+    """Names of zeros of force and pressure that a record doesn't show at rest, and of a drift of
+    the force where time runs on over several sweeps of each direction, and of each file; none where
+    contraction was read.
     """
     if data.reads_contraction:
         return []

@@ -50,7 +50,7 @@ def bundle(
         forces = fs.tables.bundle_force(target, states, strains, resistance)
         variables = {**forces, **fs.tables.bundle_equilibria(target, states, resistance)}
 
-    def table() -> None:
+    def print_tables() -> None:
         print_states(variables)
         forces = grid(variables["force"].values.T)
         rows = [[f"{x:.6g}", *row] for x, row in zip(strains, forces, strict=True)]
@@ -60,7 +60,7 @@ def bundle(
         curves, pressures = fs.plot.curves, states[0] if len(states) == 1 else states
         return curves.bundle_force_strain(target, pressures, curves.smooth(strains), resistance)
 
-    outputs.write(variables, table, figure, title=f"Bundle {file}")
+    outputs.write(variables, print_tables, figure, title=f"Bundle {file}")
     check_equilibria(variables)
 
 
@@ -310,10 +310,10 @@ def efficiency(
 
         return draw(*maps)
 
-    def table() -> None:
+    def print_tables() -> None:
         _print_efficiency(variables, forces is not None)
 
-    outputs.write(variables, table, figure, title=f"Efficiency of {file}")
+    outputs.write(variables, print_tables, figure, title=f"Efficiency of {file}")
     fractions = variables["reached"].values
     # a map without demanded forces extends past the workspace: only an empty one is incomplete
     if not fractions.all() or (forces is not None and fractions.min() < 1):

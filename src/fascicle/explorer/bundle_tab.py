@@ -156,7 +156,7 @@ class FreeStrainChart:
         self._point.data = {"x": pressure * is_on_curve, "y": [free_strain] * is_on_curve}
 
     def _set_pressure(self, position: float, _: float) -> None:
-        """Open unit 2's valve to a pressure [shown unit] on the curve."""
+        """Set unit 2's pressure to a `position` on the curve [shown unit], at most unit 1's."""
         first, scale = self._tab.session.view.pressures[0], self._tab.unit("pressure")[1]
         pressure = float(f"{np.clip(position * scale, 0.0, first):.4g}")
         self._tab.units.set_pressure(1, min(pressure, first))

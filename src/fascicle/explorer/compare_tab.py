@@ -149,6 +149,7 @@ class PinForm:
         self._pressure_value = check_value("pressure", value)
 
     def _pin(self) -> None:
+        """Pin the chosen muscle, with the chosen law, at the chosen pressure."""
         muscle, name = self._selected_muscle(), self._muscle.value
         name = self._session.view.name if name == _CURRENT else name
         with self._message.errors():

@@ -66,6 +66,7 @@ class MuscleInputs:
         )
 
     def show(self, view: View) -> None:
+        """Fill the inputs from the view's muscle, and clear the message."""
         muscle = view.muscle
         for name, (_, dimension) in ui.SIZES.items():
             unit = ui.field_unit(dimension, view.display_units)

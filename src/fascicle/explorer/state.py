@@ -103,7 +103,7 @@ class View:
 
     @property
     def text(self) -> str:
-        """Text of a file with the muscle, or with the bundle where there are several units."""
+        """Text of a file with the muscle, or with the bundle if it is more than one such muscle."""
         return dumps(self.muscle if self.units == (Unit(),) else self.bundle)
 
 

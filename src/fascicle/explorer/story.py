@@ -80,6 +80,7 @@ class Story:
         self._running.visible = False
 
     def _move(self, step: int) -> None:
+        """Show the scene `step` further on, or end the story past either end."""
         if 0 < self.scene + step <= len(TITLES):
             self._show_scene(self.scene + step)
         elif self.scene:

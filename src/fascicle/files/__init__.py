@@ -93,7 +93,7 @@ def named_muscles() -> list[str]:
 
 
 def shipped_names(kind: str) -> list[str]:
-    """Names of the shipped "examples", "measured", "scenarios" or "catalogs", sorted."""
+    """Names of the shipped "examples", "measured", "scenarios" or "catalogs", without .toml."""
     names = [file.name for file in (files(__name__) / kind).iterdir()]
     return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
 

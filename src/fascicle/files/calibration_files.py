@@ -190,7 +190,7 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
 
 
 def _springs(calibration: Calibration) -> dict[str, Any]:
-    """Keys of a scenario's `[hysteresis]`."""
+    """Keys of a scenario's `[hysteresis]`, with the width's error and what is determined."""
     friction = calibration.friction
     if friction is None:
         return {}

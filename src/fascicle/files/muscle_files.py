@@ -46,11 +46,11 @@ def load_muscle(path: str | os.PathLike[str]) -> Muscle | Bundle:
     return from_dict(read_file(path), str(path), path.parent)
 
 
-def load_named(name: str, folder: Path | None, follow: bool = True) -> Muscle | Bundle:
+def load_named(name: str, folder: Path | None, may_name_files: bool = True) -> Muscle | Bundle:
     """The muscle or bundle with a `name`: an example, a measured muscle, or a file in a `folder`.
 
-    Without a folder, as in a text from elsewhere, no file is read. `follow`: true if the file may
-    name muscles by files of its own. Raises as `load`.
+    Without a folder, as in a text from elsewhere, no file is read. `may_name_files`: true if
+    the file may name muscles by files of its own. Raises as `load`.
     """
     if name in named_muscles():
         return loads(example_text(name), name)
@@ -58,7 +58,7 @@ def load_named(name: str, folder: Path | None, follow: bool = True) -> Muscle | 
         rule = "is neither a file nor a named example" if folder else "is no named example"
         raise ValueError(f"{name!r} {rule}{did_you_mean(name, named_muscles())}")
     path = folder / name
-    return from_dict(read_file(path), str(path), path.parent if follow else None)
+    return from_dict(read_file(path), str(path), path.parent if may_name_files else None)
 
 
 def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
@@ -206,7 +206,7 @@ def _are_named(sections: str | dict[str, Any]) -> bool:
 
 def _named_muscle(name: str, location: FileLocation, folder: Path | None) -> Muscle:
     """The muscle with a `name`, an example or a file in a `folder`."""
-    muscle = location.call(load_named, name, folder, follow=False)
+    muscle = location.call(load_named, name, folder, may_name_files=False)
     if isinstance(muscle, Bundle):
         raise location.error((), "is a bundle: name a muscle.")
     return muscle

@@ -115,7 +115,7 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     offer = _offer(design, location, folder)
     space = _design_space(design, location, limits, folder, offer)
     prices = file.prices or schema.PricesSection()
-    catalog = _catalog(prices, root.child("prices"), design.density, offer)
+    catalog = _priced_catalog(prices, root.child("prices"), design.density, offer)
     block = (file.sweep and file.sweep.block) or _BLOCK
     if design.density is not None and not 1.0 <= design.density <= 3e4:
         raise location.error(("density",), "must lie in [1, 30000] kg/m^3.")
@@ -315,13 +315,14 @@ def _uncertainty(
     return Uncertainty(scatter, draws, muscles, probability, basis)
 
 
-def _catalog(
-    section: schema.PricesSection,
+def _priced_catalog(
+    prices_section: schema.PricesSection,
     location: FileLocation,
     density: float | None,
     offer: Offer | None,
 ) -> Catalog:
-    prices: dict[str, Price] = {key: price for key, price in section if price is not None}
+    """Catalog of an offer's products, if there is one, with the prices of `[prices]`."""
+    prices: dict[str, Price] = {key: price for key, price in prices_section if price is not None}
     products, currency = (offer.products, offer.currency) if offer else ({}, "")
     for key, price in prices.items():
         currency = _common_currency(currency, price, location.child(key))

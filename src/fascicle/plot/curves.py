@@ -290,14 +290,16 @@ def free_strain_states(
         P, first = np.unique(rows[mask, unit], return_index=True)
         eps = np.asarray(strains)[mask][first]
 
-        def free_at(values: np.ndarray, state: np.ndarray = state) -> np.ndarray:
+        def free_strain_at(values: np.ndarray, state: np.ndarray = state) -> np.ndarray:
             if isinstance(system, Muscle):
                 return np.asarray(system.free_strain(values))
             points = np.insert(np.tile(state, (len(values), 1)), unit, values, axis=1)
             return np.asarray(system.free_strain(points, resistance))
 
         points = smooth(P) if labeled else P
-        line, jumps = split_at_jumps(points, free_at(points) if labeled else eps, free_at)
+        line, jumps = split_at_jumps(
+            points, free_strain_at(points) if labeled else eps, free_strain_at
+        )
         color = CYCLE[i % len(CYCLE)]
         levels = (f"{n} = {in_kilopascals(p)}" for n, p in zip(names, state, strict=True))
         ax.plot(line[0] / 1e3, line[1], color=color, label=", ".join(levels) or "free strain")

@@ -94,7 +94,7 @@ class Readings:
 
     @property
     def pull(self) -> Column:
-        """Column of forces or torques."""
+        """Which column holds the forces, else the torques: header, unit and sign."""
         return self.columns["force" if "force" in self.columns else "torque"]
 
     def raw(self, role: str) -> np.ndarray:
