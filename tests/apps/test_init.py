@@ -15,6 +15,9 @@ def test_a_sleeve_and_a_tube_make_a_muscle(fascicle, refused, tmp_path):
     fascicle("init", "n.toml", "--sleeve", "9 mm", "--tube", "9 mm x 7 mm")
     assert "assumed" in (tmp_path / "n.toml").read_text()
     refused("init o.toml --tube 9x7mm")
+    for sizes in (("9 mm", "9x0 mm"), ("9 mm at 80 deg", "9x7 mm")):  # a rod, an extensor
+        code, _, err = fascicle("init", "o.toml", "--sleeve", sizes[0], "--tube", sizes[1])
+        assert code == 2 and "--sleeve" in err and not (tmp_path / "o.toml").exists()
     refused("init o.toml --sleeve 9mm --tube 9mm")
 
 

@@ -284,11 +284,18 @@ def init(
         text = files.example_text(example) if example else template(kind)
         if sleeve is not None and tube is not None:
             text = _with_product(text, sleeve, tube)
+            files.loads(text, f"--sleeve and --tube in {path}")  # its sizes make a muscle
         if mass is not None and stroke is not None:
             text = _with_load(text, mass, stroke)
     write_text("", path, overwrite, text)
     is_scenario = scenario or example in files.scenarios()
     command = "design" if task else "simulate" if is_scenario else "free-strain"
+    if sleeve is not None:
+        angle = "" if "at" in sleeve else "30 deg at the sleeve's nominal diameter, "
+        print_line(
+            f"assumed: {angle}the length and the material. The angle decides most: measure it on"
+            " the tube (`fascicle init --protractor strip.svg`)"
+        )
     print_line(f"wrote {path}: edit it, then run `fascicle {command} {path}`")
 
 

@@ -176,9 +176,11 @@ def offers_table(answer: Answer) -> Table:
     """Table of what is offered, and the surest design that isn't safe; a row each."""
     result, safety = answer.result, answer.result.safety
     rows = [(int(result.front[index]), names) for index, names in offer_names(result).items()]
+    note = "each offer is safe" if safety else ""
     if safety is not None and safety.nearest_unsafe is not None and rows:
         rows.append((safety.nearest_unsafe, f"unsafe: {percent(safety.nearest_share)} of draws"))
-    return _designs_table(result, rows, "Offers", "each offer is safe" if safety else "")
+        note = "each offer but the one named unsafe is safe"
+    return _designs_table(result, rows, "Offers", note)
 
 
 def front_table(answer: Answer, most: int) -> Table | None:
