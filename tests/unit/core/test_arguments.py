@@ -24,7 +24,7 @@ SUPPLIES = [1e5, 2e5]
 @pytest.mark.parametrize(
     ("argument", "call"),
     [
-        ("supply_pressure", lambda: BUNDLE.recruit(10.0, 0.1, supply=SUPPLIES)),
+        ("supply", lambda: BUNDLE.recruit(10.0, 0.1, supply=SUPPLIES)),
         ("supply_pressure", lambda: BUNDLE.workspace(SUPPLIES)),
         ("supply_pressure", lambda: BUNDLE.reversal(2, SUPPLIES)),
         ("supply_pressure", lambda: BUNDLE.efficiency_map(SUPPLIES)),
@@ -64,7 +64,7 @@ SUPPLIES = [1e5, 2e5]
         ("scheme", lambda: BUNDLE.recruit(10.0, 0.1, scheme="ordrly")),
         ("prefer", lambda: BUNDLE.recruit(10.0, 0.1, prefer="cheap")),
         ("present", lambda: BUNDLE.recruit(10.0, 0.1, prefer="nearest")),
-        ("supply_pressure", lambda: fs.Bundle(BUNDLE.motor_units).recruit(10.0, 0.1)),
+        ("supply", lambda: fs.Bundle(BUNDLE.motor_units).recruit(10.0, 0.1)),
         ("supply_pressure", lambda: fs.Bundle(BUNDLE.motor_units).workspace()),
         ("levels", lambda: BUNDLE.workspace(levels=[0.0, 5e5])),
         ("state", lambda: recruitment.pressures_of(3, 1e5, 4e5, 2)),
