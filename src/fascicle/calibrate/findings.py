@@ -169,6 +169,8 @@ def _of_curves(calibration: Calibration) -> Iterator[Finding]:
 
 def _of_use(calibration: Calibration) -> Iterator[Finding]:
     """No loop of friction, strains by a fitted length, and sizes that contradict the given ones."""
+    if not np.any(calibration.record.force):
+        yield _warning("use.no_force")
     if calibration.loop is None:
         yield _note("use.no_loop")
     if directions := calibration.damping.unknown:

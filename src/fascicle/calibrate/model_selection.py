@@ -64,6 +64,7 @@ _GROUPS = 8  # of neighboring pressures where there are more
 _MIN_LEVELS = 3  # pressures: with fewer there is nothing to interpolate between
 _STRETCHES = 6  # of strain, as many as typical pressures
 _BAND, _WALL, _ACTIVE, _ZERO = "dead_band", "wall_thickness", "active_length", "force_zero"
+_RADIUS = "outer_radius"
 
 Names = tuple[str, ...]
 Priors = Mapping[str, Prior]
@@ -340,6 +341,14 @@ def _pulling_trials(
     constants = identifiable_constants(data, extended, options, usual)
     optional = [name for name in constants if name not in usual]
     sets = candidate_sets(muscle, optional, required, possible_gauge_errors(data), rubber_given)
+    if not np.any(data.record.force):
+        # without a force a radius can't be told from the rubber: where that is free, it stays
+        held = {_RADIUS}.difference(required)
+        sets = [
+            tuple(x for x in names if x not in held) if set(RUBBER) & set(names) else names
+            for names in sets
+        ]
+        sets = list(dict.fromkeys(sets))
     sets = [names for names in sets if len(names) < np.sum(data.grid.measured)]
     trials: dict[frozenset[str], Candidate] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search

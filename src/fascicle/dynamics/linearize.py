@@ -40,7 +40,7 @@ class LinearModel(NamedTuple):
     """Matrices of a linear model, with the names of their rows and columns.
 
     `A`, `B`, `C`, `D` [SI]; `states`, `inputs` and `outputs`: unit of each by name; `rate`:
-    $\\dot x_0$ [SI], zero at rest.
+    $\\dot x_0$ [SI], zero at rest; `delays`: dead time of each input [s], which no matrix has.
     """
 
     A: np.ndarray
@@ -51,17 +51,19 @@ class LinearModel(NamedTuple):
     inputs: dict[str, str]
     outputs: dict[str, str]
     rate: np.ndarray
+    delays: np.ndarray
 
     def frequency_response(self, frequency: Values) -> np.ndarray:
-        """Response $C (s I - A)^{-1} B + D$ [SI], complex, at each `frequency` [Hz], which is the
-        first axis; then outputs and inputs.
+        """Response $(C (s I - A)^{-1} B + D) e^{-s \\tau}$ [SI], complex, with `delays` $\\tau$, at
+        each `frequency` [Hz], which is the first axis; then outputs and inputs.
         """
         s = 2j * np.pi * np.atleast_1d(check_finite(frequency, "frequency", "Hz"))
         pencil = s[:, None, None] * np.eye(len(self.A)) - self.A
-        return self.C @ np.linalg.solve(pencil, self.B + 0j * s[:, None, None]) + self.D
+        response = self.C @ np.linalg.solve(pencil, self.B + 0j * s[:, None, None]) + self.D
+        return response * np.exp(-s[:, None, None] * self.delays)
 
     def to_control(self) -> Any:
-        """The model as a `StateSpace` of python-control, which must be installed."""
+        """The model without `delays` as python-control's `StateSpace`; it must be installed."""
         control = import_module("control")  # no dependency: a type checker may not find it
         names = {key: list(getattr(self, key)) for key in ("states", "inputs", "outputs")}
         return control.ss(self.A, self.B, self.C, self.D, **names)
@@ -122,7 +124,9 @@ def linearize(
     input_units = _units(plant, inputs, {"force": "N" if unit == "m" else "N·m"})
     output_units = _units(plant, outputs, {"position": unit, "velocity": f"{unit}/s"})
     matrices = A[np.ix_(acts, acts)], B[acts], C[:, acts], D
-    return LinearModel(*matrices, names, input_units, output_units, np.asarray(rate)[acts])
+    late = [plant.spool.dead_time if name.startswith("command") else 0.0 for name in input_units]
+    rates = np.asarray(rate)[acts]
+    return LinearModel(*matrices, names, input_units, output_units, rates, np.array(late))
 
 
 def _rates_and_outputs(

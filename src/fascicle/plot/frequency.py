@@ -25,8 +25,7 @@ def bode(plant: "Plant", state: "State", controller: Any = None) -> Figure:
     outputs = ["pressure"] if plant.load.prescribed else ["pressure", "position"]
     model = plant.linearize(state, outputs=outputs)
     frequency = np.geomspace(_SLOWEST, _FASTEST, 500)
-    late = np.exp(-2j * np.pi * frequency * plant.spool.dead_time)
-    response = model.frequency_response(frequency) * late[:, None, None]
+    response = model.frequency_response(frequency)
     units = np.arange(plant.units)
     panels = [("pressure over command", "Pa", response[:, units, units].T)]
     if not plant.load.prescribed:

@@ -632,6 +632,10 @@ _CATALOGUE: dict[str, tuple[int, Part, Part]] = {
         9, lambda data: "A drift of the load cell can't be distinguished from "
         + " or ".join(_CONFOUNDERS[name] for name in data["confounders"]) + ".",
         "measure the first pressure again at the end, in the same file"),
+    "use.no_force": (
+        1, "No force was measured: free contraction shows how far a muscle goes, not how strong it"
+        " is. Computed forces rest on the given radius or rubber, and are untested.",
+        "hang a known mass on the muscle and record it, too"),
     "use.no_loop": (
         7, "Measured in one direction, or in an unknown one: a muscle in use has a hysteresis loop"
         " of friction, which these errors do not contain.",

@@ -8,7 +8,7 @@ from scipy.stats import t as student
 
 import fascicle as fs
 from fascicle.calibrate import fit, select_model
-from fascicle.calibrate.findings import judge
+from fascicle.calibrate.findings import calibration_findings, judge
 from fascicle.calibrate.readings import invert_force
 from fascicle.records.record import Record
 
@@ -83,3 +83,9 @@ def test_cycles_of_free_contraction_are_fitted():
     record = Record.of(P, strain, 0 * P, branch=branch, time=1.0 * np.arange(P.size), rest_length=L)
     choice = select_model(record, NOMINAL, starts=1, given_laws=["material"])
     assert choice.calibration.muscle.braid_angle == pytest.approx(np.radians(25), rel=0.01)
+    # the given rubber is what scales the force; a free one leaves the radius as it was given
+    assert "outer_radius" in choice.calibration.names
+    choice = select_model(record, NOMINAL, starts=1)
+    assert "outer_radius" not in choice.calibration.names
+    codes = [finding.code for finding in calibration_findings(choice.calibration)]
+    assert "use.no_force" in codes

@@ -20,7 +20,7 @@ def servo(bundle, air):
     return dynamics.Plant(bundle, load, spool=fluid.Servovalve(0.01), **air)
 
 
-def test_a_model_agrees_with_differences_of_runs(servo):
+def test_a_model_agrees_with_differences_of_runs(servo, bundle, air):
     start = dynamics.equilibrium_state(servo, [3e5, 1e5])
     outputs = ("position", "velocity", "pressure", "strain", "force")
     model = servo.linearize(start, ("command", "force"), outputs)
@@ -32,7 +32,14 @@ def test_a_model_agrees_with_differences_of_runs(servo):
     # x' = A x + B u with x = X exp(s t)
     s = 2j * np.pi * 3.0
     states = np.linalg.inv(s * np.eye(8) - model.A) @ model.B
-    assert_allclose(model.frequency_response([1.0, 3.0])[1], model.C @ states + model.D)
+    response = model.C @ states + model.D
+    assert_allclose(model.frequency_response([1.0, 3.0])[1], response)
+    spool = fluid.Servovalve(0.01, dead_time=6e-3)
+    late = dynamics.Plant(bundle, servo.load, spool=spool, **air)
+    late_model = late.linearize(start, ("command", "force"), outputs)
+    assert_allclose(late_model.delays, [6e-3, 6e-3, 0.0])
+    turn = [np.exp(-s * 6e-3), np.exp(-s * 6e-3), 1.0]
+    assert_allclose(late_model.frequency_response(3.0)[0], response * turn)
     gas, duration = servo.chamber, 0.02
 
     def run(x):
