@@ -29,11 +29,15 @@ def explore(
     _print_at_once("starting")
     target = read_target(file)
     import multiprocessing  # no other command needs it
+    import signal
 
+    # Ctrl-C while libraries are loaded could come out as an error of theirs
+    handler = signal.signal(signal.SIGINT, lambda *_: os._exit(130))
     from ..explorer.server import serve
     from ..explorer.state import view_of
     from ..explorer.tab import is_computing
 
+    signal.signal(signal.SIGINT, handler)
     with user_errors():
         view = view_of(target, Path(file).name[:60])
         serve(view, host, port, show, _print_at_once, allow_host or [])
