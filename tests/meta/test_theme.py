@@ -33,7 +33,7 @@ def test_text_can_be_read_on_what_it_stands_on(colors):
 
 def test_every_face_has_the_theme():
     from fascicle.explorer.widgets import DARK, LIGHT, page_css
-    from fascicle.report import render
+    from fascicle.report.page import render
 
     assert set(theme.CYCLE) <= set(theme.LIGHT.curves)
     assert (LIGHT, DARK) == (theme.LIGHT, theme.DARK)

@@ -1,6 +1,1 @@
-"""Self-contained HTML pages: one file, opens offline, prints well."""
-
-from .page import data_uri as data_uri
-from .page import prose as prose
-from .page import render as render
-from .page import verdict as verdict
+"""Words of findings, tables for the terminal, and self-contained HTML pages."""

@@ -3,8 +3,7 @@ import re
 import pytest
 from jinja2 import UndefinedError
 
-from fascicle.report import data_uri, prose, render
-from fascicle.report.page import Picture, downloads
+from fascicle.report.page import Picture, data_uri, downloads, prose, render
 
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
