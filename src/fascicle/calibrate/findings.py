@@ -41,12 +41,14 @@ def _note(code: str, **data: Any) -> Finding:
 
 def _of_gauges(calibration: Calibration) -> Iterator[Finding]:
     """Errors of the gauges, and faults of the channels."""
-    ends = {e.name: {"low": e.low, "high": e.high} for e in calibration.parameters}
+    fitted = {
+        e.name: {"value": e.value, "low": e.low, "high": e.high} for e in calibration.parameters
+    }
     for name, value in calibration.gauge.faults.items():
-        interval = ends.get(name, {})
+        error = fitted.get(name, {"value": value})
         # an error that may be none isn't named
-        if not interval or not interval["low"] <= getattr(PERFECT, name) <= interval["high"]:
-            yield _warning(f"gauge.{name}", value=value, **interval)
+        if "low" not in error or not error["low"] <= getattr(PERFECT, name) <= error["high"]:
+            yield _warning(f"gauge.{name}", **error)
     for fault in calibration.fit_data.faults:
         if fault.kind != "floor":  # its readings are among those that are clipped
             data = {"channel": fault.channel, "value": fault.value, "count": fault.count}
