@@ -64,7 +64,6 @@ _GROUPS = 8  # of neighboring pressures where there are more
 _MIN_LEVELS = 3  # pressures: with fewer there is nothing to interpolate between
 _STRETCHES = 6  # of strain, as many as typical pressures
 _BAND, _WALL, _ACTIVE, _ZERO = "dead_band", "wall_thickness", "active_length", "force_zero"
-_RADIUS = "outer_radius"
 
 Names = tuple[str, ...]
 Priors = Mapping[str, Prior]
@@ -285,17 +284,20 @@ def candidate_sets(
     required: Collection[str] = (),
     gauges: Collection[str] = (),
     rubber_given: bool = False,
+    loaded: bool = True,
 ) -> list[Names]:
     """Sets of constants to compare, each with the `required` ones: none, the sizes if the rubber is
     given, the rubber, both, each with a dead band; the first of these, and both, with the errors of
-    the `gauges`; both with each `optional` constant, and with all of them.
+    the `gauges`; both with each `optional` constant, and with all of them. Unless `loaded`, a
+    radius can't be told from a free rubber, and stays beside it.
     """
     usual = muscle.tension.fit_parameters()
     sizes = tuple(name for name in usual if name not in RUBBER)
     bases = [sizes]
     if len(sizes) < len(usual) and isinstance(muscle.material, MooneyRivlin):
         # beside a rubber that nobody measured the sizes alone would make up for it
-        bases = [*([sizes] if rubber_given else []), RUBBER, (*RUBBER, *sizes)]
+        distinct = sizes if loaded else tuple(name for name in sizes if name != "outer_radius")
+        bases = [*([sizes] if rubber_given else []), RUBBER, (*RUBBER, *distinct)]
     sets = [(), *bases, *((*base, _BAND) for base in bases)]
     sets += [(*base, *gauges) for base in (bases[0], bases[-1])]
     sets += [(*bases[-1], name) for name in optional] + [(*bases[-1], *optional)]
@@ -340,15 +342,8 @@ def _pulling_trials(
     usual = {*muscle.tension.fit_parameters(), _WALL}
     constants = identifiable_constants(data, extended, options, usual)
     optional = [name for name in constants if name not in usual]
-    sets = candidate_sets(muscle, optional, required, possible_gauge_errors(data), rubber_given)
-    if not np.any(data.record.force):
-        # without a force a radius can't be told from the rubber: where that is free, it stays
-        held = {_RADIUS}.difference(required)
-        sets = [
-            tuple(x for x in names if x not in held) if set(RUBBER) & set(names) else names
-            for names in sets
-        ]
-        sets = list(dict.fromkeys(sets))
+    gauges, loaded = possible_gauge_errors(data), bool(np.any(data.record.force))
+    sets = candidate_sets(muscle, optional, required, gauges, rubber_given, loaded)
     sets = [names for names in sets if len(names) < np.sum(data.grid.measured)]
     trials: dict[frozenset[str], Candidate] = {}
     ends: dict[frozenset[str], dict[str, float]] = {}  # coordinates at the end of each search

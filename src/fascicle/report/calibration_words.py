@@ -18,7 +18,7 @@ from ..calibrate.model_selection import Candidate, Selection
 from ..calibrate.parameters import FACTOR_NAMES, parameter_descriptions
 from ..core.findings import Finding
 from ..units import pretty
-from .words import Formatter, list_text
+from .words import Formatter, count_text, list_text
 
 
 _ACTIONS = 2  # in a verdict: more are not done
@@ -269,7 +269,7 @@ def search_lines(solutions: SearchEnds) -> list[str]:
     lowest, lines = np.nanmin(solutions.cost), []
     ends = zip(solutions.cost, solutions.status, solutions.steps, strict=True)
     for i, (cost, status, steps) in enumerate(ends, start=1):
-        line = f"start {i}: {_STATUS[STATUS[status]]} ({_count(steps, 'step')})"
+        line = f"start {i}: {_STATUS[STATUS[status]]} ({count_text(steps, 'step')})"
         if cost - lowest < _SAME_MINIMUM:
             line += ", at the best minimum"
         elif np.isfinite(cost):
@@ -293,7 +293,7 @@ def fit_data_lines(data: FitData) -> list[str]:
          " constants): taken as a force not above zero; `--fit tuning` fits it nevertheless"),
         (data.averaged, f"averaged into {data.means} means for the fit, in steps of strain, each"
          " branch by itself; errors are those of all readings"),
-        (pressures * (pressures > levels), f"pressures grouped into {_count(levels, 'level')}"),
+        (pressures * (pressures > levels), f"pressures grouped into {count_text(levels, 'level')}"),
     ]  # fmt: skip
     lines = [f"{data.read} readings read{'' if data.left_out else ', none left out'}"]
     if data.reads_contraction:
@@ -311,7 +311,7 @@ def hysteresis_message(calibration: Calibration) -> str:
     loop, friction = calibration.loop, calibration.friction
     if loop is None:
         return ""
-    width, pressures = np.maximum(loop.width, 0.0), _count(loop.pressure.size, "pressure")
+    width, pressures = np.maximum(loop.width, 0.0), count_text(loop.pressure.size, "pressure")
     share = np.maximum(loop.share, 0.0)  # noise may be negative
     if friction is not None and friction.law is None:
         mean = float(np.mean(width))
@@ -329,7 +329,7 @@ def hysteresis_message(calibration: Calibration) -> str:
     # at 10 bar, more than any record holds, a rise may matter that doesn't at one
     terms = [f"{constant:.3g} N"] * (constant > limit) + [f"{rise:.3g} N/bar"] * (10 * rise > limit)
     message += (
-        f" Friction: {_count(len(friction.resolved), 'sliding spring')}, together ±"
+        f" Friction: {count_text(len(friction.resolved), 'sliding spring')}, together ±"
         f"{' + '.join(terms)}; the error of their loops' widths is {friction.rmse:.3g} N."
     )
     if not all(friction.resolved):
@@ -355,11 +355,6 @@ def damping_message(calibration: Calibration) -> str:
         texts.append(text if side.is_clear else f"{text}, not above its error: taken as none")
     speeds = " to ".join(f"{1e3 * speed:.3g}" for speed in damping.speeds)
     return f"Damping, from speeds of {speeds} mm/s: {'; '.join(texts)}."
-
-
-def _count(number: int, noun: str) -> str:
-    """A number of things, in words."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def candidate_label(candidate: Candidate) -> str:
@@ -402,12 +397,12 @@ def selection_reasons(selection: Selection | None) -> list[str]:
 def _comparison_with_best(candidates: Sequence[Candidate], best: Candidate) -> Iterator[str]:
     valid = [candidate for candidate in candidates if candidate.valid]
     lowest = min(valid, key=lambda candidate: candidate.left_out_rmse)
-    label, number = candidate_label(best), _count(best.constants, "constant")
+    label, number = candidate_label(best), count_text(best.constants, "constant")
     yield f"Selected: {label} ({number}), cross-validated error {_error(best)}."
     if lowest is best:
         yield f"None of the {len(valid)} possible candidates has a smaller error."
     else:
-        label, number = candidate_label(lowest), _count(lowest.constants, "constant")
+        label, number = candidate_label(lowest), count_text(lowest.constants, "constant")
         yield (
             f"The smallest error is {_error(lowest)}, with {label} ({number}): the difference is no"
             " larger than chance or 2 %, so the fewest constants are selected."

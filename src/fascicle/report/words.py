@@ -114,8 +114,9 @@ def list_text(words: Sequence[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def _count(noun: str) -> Callable[[int], str]:
-    return lambda number: f"{number} {noun}{'' if number == 1 else 's'}"
+def count_text(number: int, noun: str) -> str:
+    """A number of things, in words."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 _FORMATS: dict[str, Callable[[Any], str]] = {
@@ -124,8 +125,8 @@ _FORMATS: dict[str, Callable[[Any], str]] = {
     "lengths": lambda lengths: list_text([pretty(x, "length") for x in lengths]),
     "longest": lambda length: "any length" if length is None else pretty(length, "length"),
     "percent": lambda share: f"{100 * share:.2g} %",
-    "row": _count("row"),
-    "reading": _count("reading"),
+    "row": lambda number: count_text(number, "row"),
+    "reading": lambda number: count_text(number, "reading"),
     "columns": lambda names: ", ".join(f"`{name}`" for name in names),
     "quantities": lambda values: ", ".join(
         f"{role} {pretty(value, dimension_of(role))}" for role, value in values.items()

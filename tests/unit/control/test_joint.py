@@ -15,16 +15,6 @@ from fascicle.core.errors import InvalidInputError
 ARM, STRAIN, ANGLE = 0.05, 0.12, math.radians(10)
 
 
-@pytest.fixture(scope="module")
-def thick():
-    return fs.Muscle(0.3, 20e-3, 2e-3, math.radians(25), "latex")
-
-
-@pytest.fixture(scope="module")
-def joint(thick):
-    return fs.Joint(thick, thick, ARM, strain=STRAIN)
-
-
 def torque_at(joint, result, angle):
     """Torque [N·m] by the muscles' own forces."""
     muscle = joint.agonist.motor_units[0].muscle

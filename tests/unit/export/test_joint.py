@@ -23,16 +23,6 @@ ROUNDING = 1e-9
 
 
 @pytest.fixture(scope="module")
-def thick():
-    return fs.Muscle(0.3, 20e-3, 2e-3, math.radians(25), "latex")
-
-
-@pytest.fixture(scope="module")
-def joint(thick):
-    return fs.Joint(thick, thick, ARM, strain=STRAIN)
-
-
-@pytest.fixture(scope="module")
 def unlike(thick):
     """Two unlike motor units between plates, and a muscle of another length."""
     shorter = fs.Muscle(0.28, 15e-3, 2e-3, math.radians(27), "latex")
