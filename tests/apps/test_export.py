@@ -102,6 +102,15 @@ def test_opensims_element_has_the_force_of_the_ideal_braid(fascicle, refused, tm
     refused("export kim2021_figure_6 --opensim other.xml")
 
 
+def test_a_function_block_is_written_for_a_plc(fascicle, refused, tmp_path):
+    line = ("export", "kim2021_figure_6", "--structured-text", "arm.st", "-p", "4bar")
+    assert fascicle(*line, "--precision", "float", "--name", "arm") == (0, "wrote arm.st\n", "")
+    text = (tmp_path / "arm.st").read_text()
+    assert "FUNCTION_BLOCK FB_arm\n" in text and "TOP : REAL := 4.0e+05;" in text
+    refused("export kim2021_figure_6 --structured-text arm.txt")
+    refused("export kim2021_bundle_1_4 --structured-text knee.st")
+
+
 def test_a_page_is_written_once(fascicle, refused, tmp_path):
     code, out, err = fascicle("export", "kim2021_figure_6", "--page", "arm.html", "-p", "1bar,2bar")
     assert (code, out, err) == (0, "wrote arm.html\n", "")

@@ -17,6 +17,7 @@ from .terminal import print_line, status
 
 
 _ENDINGS = {"--fmu": [".fmu"], "--page": [".html", ".htm"], "--opensim": [".xml"]}
+_ENDINGS |= {"--structured-text": [".st"]}
 
 
 class JointSides(NamedTuple):
@@ -40,13 +41,15 @@ def export(
     page: Text = option("Web page (.html) that draws FILE offline, in any browser.", "PATH"),
     values: Text = option("Force, volume and deflection: .csv, .json or .nc.", "PATH"),
     opensim: Text = option("OpenSim's McKibbenActuator (.xml), without the bladder.", "PATH"),
+    structured_text: Text = option("Function block (.st) of a muscle's table for a PLC.", "PATH"),
     pressure: Text = option(
-        "Pressures of --page and --values, or up to which --opensim goes: a list or range.",
+        "Pressures of --page and --values, or up to which --opensim and --structured-text go:"
+        " a list or range.",
         "LIST",
         "--pressure -p",
     ),
     precision: str = option("Number type of the table.", "double|float", default="double"),
-    name: str = option("Prefix of file names and of names in C.", default="muscle"),
+    name: str = option("Prefix of file names and of names in code.", default="muscle"),
     sample_time: Text = option("Step of the FMU; default: 1 ms, or the scenario's.", "TIME"),
     platform: Text = option(
         "Platform of the FMU's binary; default: this machine's. MinGW builds win64 elsewhere.",
@@ -54,7 +57,7 @@ def export(
     ),
     overwrite: options.Overwrite = False,
 ) -> None:
-    """Write a muscle or bundle as C code, an FMU or a web page.
+    """Write a muscle or bundle as C code, an FMU, Structured Text or a web page.
 
     `--table` writes a table of force and volume, and reports its error; for a scenario with force
     control as FILE it adds one step of the controller. It has the inverse, `NAME_pressures`: the
@@ -65,18 +68,19 @@ def export(
     sliders for pressure and contraction, which needs neither fascicle nor a network. Later changes
     of FILE don't change what was exported.
     """
-    outputs = {"--fmu": fmu, "--page": page, "--values": values, "--opensim": opensim}
+    of_muscle = {"--values": values, "--opensim": opensim, "--structured-text": structured_text}
+    outputs = {"--fmu": fmu, "--page": page, **of_muscle}
     _check_outputs(table, outputs, pressure, overwrite)
-    if plant and (fmu is None or table or page or values or opensim):
+    if plant and (fmu is None or table or page or any(of_muscle.values())):
         raise UserError("--plant: a scenario's plant is written as a unit: give --fmu alone.")
     target = _read_exported(file, units, page is not None, plant)
     is_table = table is not None and not any(outputs.values())
     tabulated = _as_joint(target, joint, is_table) if any(joint) else target
     from ..export.c_files import check_c_name
 
-    if (values or opensim) and not isinstance(target, fs.Muscle):
-        option_name = "--values" if values else "--opensim"
-        raise UserError(f"{option_name}: {file} is a bundle: export each of its muscles.")
+    if not isinstance(target, fs.Muscle):
+        for option_name in (key for key, path in of_muscle.items() if path):
+            raise UserError(f"{option_name}: {file} is a bundle: export each of its muscles.")
     with user_errors():
         check_c_name(name)
     code = [Path(table or "") / f"{name}{suffix}" for suffix in (".h", ".c")]
@@ -91,18 +95,18 @@ def export(
         with status("computing the table"), user_errors():
             variables = fs.tables.muscle_table(target, pressures)
         result.write(variables, lambda: None, title=f"Table of {file}")
-    if opensim is not None:
-        with user_errors():
-            text = exports.opensim_element(target, name, max(pressures or ()))
-        write_text("--opensim", opensim, overwrite, text)
-        print_line(f"wrote {opensim}")
-    if page is not None:
-        from ..export.page import CURVES, page_text
-
-        with user_errors("--page: "):
-            text = page_text(target, Path(file).stem, pressures or CURVES)
-        write_text("--page", page, overwrite, text)
-        print_line(f"wrote {page}")
+    highest = max(pressures or (), default=None)
+    writers = {
+        "--opensim": lambda: exports.opensim_element(target, name, highest),
+        "--structured-text": lambda: exports.function_block(target, name, precision, highest),
+        "--page": lambda: exports.page_text(target, Path(file).stem, *filter(None, [pressures])),
+    }
+    for option_name, make_text in writers.items():
+        if path := outputs[option_name]:
+            with status("computing the table"), user_errors(f"{option_name}: "):
+                text = make_text()
+            write_text(option_name, path, overwrite, text)
+            print_line(f"wrote {path}")
     if table is not None:
         with status("computing the table"), user_errors():
             tables = exports.tabulate(tabulated, precision)
@@ -130,8 +134,9 @@ def _check_outputs(
         names = ", ".join(files)
         raise UserError(f"nothing to write: give --table and a folder, or one of {names}.")
     needy = [name for name in ("--opensim", "--values") if name in written]
-    if pressure is not None and not needy and "--page" not in written:
-        raise UserError("--pressure: it is of --page, --values or --opensim: give one, too.")
+    if pressure is not None and written.keys() <= {"--fmu"}:
+        names = ", ".join(name for name in files if name != "--fmu")
+        raise UserError(f"--pressure: it is of {names}: give one of them, too.")
     if pressure is None and needy:
         raise UserError(f"{needy[0]}: give --pressure, too, such as 0kPa:400kPa:5kPa.")
     for name, path in written.items():

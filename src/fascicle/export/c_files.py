@@ -86,8 +86,8 @@ def table_strains(bundle: Bundle) -> list[tuple[float, float]]:
 
 
 def render_template(file: str, values: Mapping[str, object]) -> str:
-    """Text of a template of the folder `c`, with `values` in place of their `@names@`."""
-    text = (files("fascicle.export") / "c" / file).read_text(encoding="utf-8")
+    """Text of a template of the folder `templates`, with `values` in place of their `@names@`."""
+    text = (files("fascicle.export") / "templates" / file).read_text(encoding="utf-8")
     text = re.sub(r"@(\w+)@", lambda match: str(values[match[1]]), text)
     return text.rstrip("\n") + "\n"
 

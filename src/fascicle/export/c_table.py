@@ -7,9 +7,9 @@ energy. At one strain the force in each cell is a cubic of the root of pressure,
 finds its roots and extrema exactly. The header states the error of the table.
 
 The inverse chooses as `Bundle.recruit` does, among recruitment states that are written as masks.
-`c/inverse_states.c` takes the first state that gives the force, or of states that aren't nested
-that of least fluid; `c/inverse_sets.c` has (B11), for units that have a pressure each. A joint's is
-in `joint_table`.
+`inverse_states.c` takes the first state that gives the force, or of states that aren't nested that
+of least fluid; `inverse_sets.c` has (B11), for units that have a pressure each. A joint's is in
+`joint_table`.
 """
 
 import os
@@ -56,7 +56,7 @@ _VOLUME_STRAINS = np.array([0.05, 0.1, 0.2])
 _LOWEST = -101325.0  # Pa, vacuum in the standard atmosphere
 _ROUNDINGS = 12  # of a sum of six products in Hermite's form, for each of both coordinates
 _DIGITS = {"double": 2.0**-53, "float": 2.0**-24}  # relative rounding
-_EDGE = {"double": 1e-12, "float": 2.0**-22}  # relative margin of the highest pressure: rounding
+EDGE = {"double": 1e-12, "float": 2.0**-22}  # relative margin of the highest pressure: rounding
 
 
 class BundleTables(NamedTuple):
@@ -121,6 +121,11 @@ class BundleTables(NamedTuple):
         return np.array(self.counts) * errors
 
     @property
+    def meets(self) -> float:
+        """Largest miss of a force that meets a demand [N]; at least the rounding of all muscles."""
+        return float(np.sum(self.roundings)) if self.precision == "float" else ROOT_TOLERANCE
+
+    @property
     def limits_as_text(self) -> dict[str, str]:
         """Limits of strain [-] and pressure [Pa], rounded for comments and messages in C, by their
         names in templates.
@@ -155,7 +160,7 @@ class BundleTables(NamedTuple):
             "lines": lines,
             "columns": columns,
             "lowest_pressure_real": number(_LOWEST),
-            "rounding": number(1 + _EDGE[self.precision]),
+            "rounding": number(1 + EDGE[self.precision]),
             "errors": "\n".join(f" * {line}" for line in self.errors.splitlines()),
             "nodes": initializers([nodes(surface) for surface in surfaces]),
             "root_steps": initializers([float(surface.root_step) for surface in surfaces]),
@@ -169,9 +174,7 @@ class BundleTables(NamedTuple):
             "ratios": initializers(self.ratios),
             **self.limits_as_text,
         }
-        # or the rounding of all muscles
-        meets = float(np.sum(self.roundings)) if self.precision == "float" else ROOT_TOLERANCE
-        values |= {"meets": number(meets), "inverse_top": number(self.highest_supply)}
+        values |= {"meets": number(self.meets), "inverse_top": number(self.highest_supply)}
         values["digits"] = number(4 * _DIGITS[self.precision])
         values["cubics"] = render_template("cubics.c", values)
         if isinstance(self.target, Joint):
@@ -179,7 +182,7 @@ class BundleTables(NamedTuple):
             values |= joint_values(self.target, number)
         else:
             kind, values["controller"], values["controller_source"] = "bundle", "", ""
-            values |= _inverse_code(self.target, self.highest_supply, meets, values, number)
+            values |= _inverse_code(self.target, self.highest_supply, self.meets, values, number)
             values["curves"] = render_template("table_curves.c", values)
         if self.controller is not None:
             from .controller import template_values  # needs JAX, a table doesn't
