@@ -29,6 +29,8 @@ LINES = [
     ("init --task --scenario", "--task and --scenario"),
     ("simulate lift_gas --compare", "[control]"),
     ("simulate lift_gas --units 1,4", "--units"),
+    ("simulate lift_gas --mass 3kg", "[load]"),
+    ("simulate kim2021_figure_6 --mass 3mm", "--mass"),
     (f"design {SIX} --units 1,4 --mass 10kg", "--stroke"),
     (f"design {PAIR} --units 1,4 --mass 10kg --stroke 15mm", "--units"),
     ("simulate kim2021_bundle_1_4 --units 1,4", "--units"),

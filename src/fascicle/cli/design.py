@@ -238,6 +238,8 @@ def _json(answer: "fs.design.Answer", notes: list[str], findings: "list[Finding]
             "least_probability": safety.uncertainty.share,
             "draws": safety.uncertainty.draws,
             "judged": safety.judged,
+            "model_error": float(safety.uncertainty.scatter.model_error),
+            "model_error_basis": safety.uncertainty.basis,
             "assumptions": assumptions(safety.uncertainty),
         }
     if (sizing := summary.sizing) is not None:

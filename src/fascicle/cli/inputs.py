@@ -13,7 +13,7 @@ from typing import Any
 import fascicle as fs
 
 from .. import files
-from ..units import parse_list
+from ..units import parse, parse_list
 from .errors import UserError, user_errors
 from .terminal import status
 
@@ -65,9 +65,11 @@ def read_target(target: str) -> Any:
         return load_muscle(target) if text is None else loads(text, target)
 
 
-def read_scenario(target: str, units: str | None = None) -> "files.Scenario":
+def read_scenario(
+    target: str, units: str | None = None, mass: str | None = None
+) -> "files.Scenario":
     """Read a `Scenario` by path or name; a file of that name comes first. Of a bundle, or a muscle
-    with its `units`: one that lifts a mass.
+    with its `units`: one that lifts a `mass`.
     """
     path = Path(target) if is_path(target) else None
     with user_errors():
@@ -77,7 +79,10 @@ def read_scenario(target: str, units: str | None = None) -> "files.Scenario":
         scenario = files.example(target) if path is None else files.load(path)
     if not isinstance(scenario, files.Scenario):
         with user_errors():
-            return files.lift_scenario(read_bundle(target, units), target, path)
+            kilograms = None if mass is None else parse(mass, "mass", "--mass")
+            return files.lift_scenario(read_bundle(target, units), target, path, kilograms)
+    if mass is not None:
+        raise UserError(f"--mass {mass}: {target} is a scenario: write the mass in its [load].")
     if units is not None:
         raise UserError(f"--units {units}: {target} is a scenario, which names its bundle.")
     return scenario

@@ -28,10 +28,14 @@ def simulate(
         "SCENARIO.toml",
         "Scenario file: bundle, load, fluid, supply, valves and schedule; or a named one, such as"
         " lift_gas, ramp_hand_over or joint_gait; `fascicle init --scenario` writes one. Of a"
-        " muscle or bundle: it lifts a mass as in lift_gas.",
+        " muscle or bundle: it lifts --mass as in lift_gas.",
         autocompletion=lambda: [*files.scenarios()],
     ),
     units: options.Units = None,
+    mass: Text = option(
+        "Mass that a muscle or bundle lifts: 10kg; default: half of a unit's blocked force.",
+        "MASS",
+    ),
     report: Text = option("HTML page with traces and energy balances.", "PATH"),
     bode: Text = option(
         "Bode diagram about the end of the run, and of the pressure loops: PNG, SVG or PDF.", "PATH"
@@ -52,7 +56,7 @@ def simulate(
         check_file("--bode", bode, outputs.overwrite, PICTURES)
     if compare and (policy is not None or bode is not None):
         raise UserError("--compare runs every policy: drop --policy and --bode.")
-    study = read_scenario(scenario, units)
+    study = read_scenario(scenario, units, mass)
     if policy is not None or compensate is not None:
         with user_errors():
             study = study.with_policy(policy, compensate)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..core.findings import Finding, Severity
 from ..core.validation import HIGHEST_PRESSURE
+from ..muscle.validation import fitted_length_mismatch
 from .cycle import CycleRun, run_cycle
 from .designs import Designs
 from .evaluation import evaluate
@@ -148,8 +149,9 @@ class Answer:
     """Answer to a search: `index` of the recommended recorded design, or the nearest, and its
     `summary`; its muscles in other numbers of motor units, `splits`; `changes` with which the
     nearest would hold the task; the `run` over time of the recommended one, if valves are sized and
-    JAX is installed; `robustness`: the least relative margin [-] of "weaker" muscles by 10 %,
-    "supply" pressure 0.5 bar lower, and "failure" of one muscle; `findings`.
+    JAX is installed: one that fails its cycle isn't recommended; `robustness`: the least relative
+    margin [-] of "weaker" muscles by 10 %, "supply" pressure 0.5 bar lower, and "failure" of one
+    muscle; `findings`, errors first.
     """
 
     result: SearchResult
@@ -185,10 +187,13 @@ def answer_search(result: SearchResult) -> Answer:
         except ModuleNotFoundError as error:
             if (error.name or "").partition(".")[0] not in ("jax", "equinox", "diffrax"):
                 raise
+    findings = _findings(result, summary, run) + _extrapolations(result, design, summary)
+    if findings[:1] and findings[0].severity is Severity.ERROR:
+        result = replace(result, nearest=index)
     return Answer(
         *(result, index, summary, best_splits(result, index), changes, run),
         _robustness(design, task),
-        _findings(result, summary, run),
+        findings,
     )
 
 
@@ -212,7 +217,7 @@ def _robustness(design: Designs, task: Task) -> dict[str, float]:
 
 
 def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> list[Finding]:
-    """Findings on a search and its recommended, or nearest, recorded design."""
+    """Findings on a search and its best, or nearest, recorded design, errors first."""
     findings, safety, reaches = [], result.safety, result.reaches_task
 
     def add(code: str, severity: Severity, **data: object) -> None:
@@ -226,6 +231,12 @@ def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> l
         add(
             "limits_broken" if reaches.any() else "out_of_reach", error, reaching=int(reaches.sum())
         )
+    sizing = summary.sizing if result.best is not None else None
+    if sizing is not None and not sizing.feasible:
+        add("no_valve", error, hose_length=sizing.cycle.hose_length)
+    if run is not None and sizing is not None and not run.passes(sizing.cycle):
+        times = {"lifted": run.lifted, "released": run.released, "overshoot": run.overshoot}
+        add("cycle_failed", error, **times)
     for name, limit in other_limits(result.limits).items():
         values = result.values[name][reaches]
         costs = int(np.sum(~limit.holds(values)))
@@ -239,14 +250,24 @@ def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> l
     margin = summary.relative_margin
     if not Limit(least=result.least_margin).holds(margin):
         add("small_margin", warning, margin=margin, least=result.least_margin)
-    if (sizing := summary.sizing) is not None and not sizing.feasible:
-        add("no_valve", warning, hose_length=sizing.cycle.hose_length)
-    if run is not None and sizing is not None and not run.passes(sizing.cycle):
-        add("cycle_failed", warning, lifted=run.lifted, released=run.released)
     if safety is not None and not safety.complete:
         add("judged_in_part", note, judged=safety.judged)
     travel = summary.held_open - summary.cases.task.stroke_of(summary.cases.length)
     if np.nanmax(travel, initial=0.0) > _FAR * summary.cases.length:
         case = int(np.nanargmax(travel))
         add("held_open", note, case=case, position=float(summary.held_open[case]))
+    return findings
+
+
+def _extrapolations(result: SearchResult, design: Designs, summary: Summary) -> list[Finding]:
+    """Findings on a design beyond what was measured of its muscle."""
+    task, muscle, name = result.task, design.muscle(0), list(design.drawings)[design.kind[0]]
+    findings = list[Finding]()
+    if (extrapolations := result.catalog.extrapolations.get(name)) is not None:
+        strain = float(task.strain_of(summary.cases.length).max())
+        findings += extrapolations(task.supply_pressure, strain)
+    if muscle.fitted_length is not None and fitted_length_mismatch(muscle):
+        data = {"value": float(muscle.length), "measured": muscle.fitted_length.length}
+        code = "muscle.length_extrapolated"
+        findings.append(Finding(code, Severity.WARNING, {"muscle": name, **data}))
     return findings

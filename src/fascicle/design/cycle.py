@@ -57,7 +57,6 @@ _BORES = np.arange(1e-3, WIDEST_BORE + 1e-4, 5e-4)  # m; a tube with the next la
 _HALVINGS = 40  # of an interval of a factor of four: leaves rounding
 _RUN_STEPS = 400  # of the shorter of lift and release
 _SAG = 0.01  # of the stroke, by which the load at rest presses the stop in
-_DAMPER_DEPTH = 1e-3  # m, of (T2)
 _RELEASED = _LEFT / _STEPS  # of the stroke, when the load counts as released: as in the sizing
 _THROTTLING = 0.05  # of the supply's pressure: closer to its target a proportional valve throttles
 BAND = 0.1  # of the stroke on either side, in which a lifted load must stay
@@ -196,7 +195,7 @@ def size_valves(
         valve = SonicValve(np.where(needed > 0, needed, needed.max()), cycle.b, line=line)
         fill, vent = (float(t[case, unit]) for t in contraction.times(valve, valve))
         for candidate in reversed(catalog_valves()):
-            ends = (with_fields(valve, line=line) for valve in candidate[1:3])
+            ends = (with_fields(x, line=line) for x in (candidate.supply, candidate.exhaust))
             enough = np.all(~filled | (contraction.share_of_time(cycle, *ends) <= 1), axis=0)
             valves = [candidate if ok else v for ok, v in zip(enough, valves, strict=True)]
     return ValveSizing(
@@ -324,7 +323,7 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
     `sizing`; NaN for a time that isn't reached. `ValueError` for a load that can't be held at rest.
     """
     from ..dynamics import HangingMass, Plant, Stop, simulate  # needs JAX
-    from ..dynamics.loads import GRAVITY
+    from ..dynamics.loads import DAMPER_DEPTH, GRAVITY
 
     cycle = sizing.cycle
     needed = np.where(sizing.conductance > 0, sizing.conductance, sizing.conductance.max())
@@ -339,7 +338,7 @@ def run_cycle(bundle: Bundle, force: float, stroke: float, sizing: ValveSizing) 
     supply = resolve_supply_pressure(bundle, None)
     mass, stiffness = force / GRAVITY, force / (_SAG * stroke)
     # critical where the load sags to, so that it doesn't bounce: the damper acts by depth, (T2)
-    damping = 2 * np.sqrt(stiffness * mass) * (1 + _DAMPER_DEPTH / (_SAG * stroke))
+    damping = 2 * np.sqrt(stiffness * mass) * (1 + DAMPER_DEPTH / (_SAG * stroke))
     plant = Plant(
         bundle,
         HangingMass(mass, stop=Stop(low=0.0, stiffness=stiffness, damping=damping)),

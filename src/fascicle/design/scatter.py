@@ -99,14 +99,15 @@ class Uncertainty:
     """Random draws of designs, and the share of them that must hold: `scatter` of fabrication and
     the model's error; number of `draws`; `muscles`: draws of a calibrated muscle, on the first axis
     of its numbers, or `None`; `share` of the draws that must meet the task and all limits [-];
-    `basis` of the model's error: "given", of the "fit", or "assumed".
+    `basis` of the model's error: "given", of the "fit", or "assumed", of a muscle without a fit or
+    of a "product" in other sizes than were measured.
     """
 
     scatter: DesignScatter = USUAL_SCATTER
     draws: int = USUAL_DRAWS
     muscles: Muscle | None = None
     share: float = USUAL_SHARE
-    basis: Literal["given", "fit", "assumed"] = "assumed"
+    basis: Literal["given", "fit", "assumed", "product"] = "assumed"
 
 
 @dataclass(frozen=True, eq=False)

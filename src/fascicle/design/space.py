@@ -16,7 +16,7 @@ largest unit, as Henneman's size principle has it.
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache, cached_property
 from itertools import product
@@ -26,6 +26,7 @@ import numpy as np
 
 from ..core import validation
 from ..core.errors import InvalidInputError
+from ..core.findings import Finding
 from ..core.module import to_numpy
 from ..core.types import Float, Int
 from ..core.validation import RANGES, check_choice, check_interval, distinct_texts
@@ -306,7 +307,8 @@ class Product(NamedTuple):
 class Catalog:
     """Products, by the name of their drawing, and prices in a `currency`: of a `valve` and of a
     `muscle` of products without a price [-], of `air` for each normal m³ and of `energy` for each
-    J; `density` of the bladder [kg/m³].
+    J; `density` of the bladder [kg/m³]. `extrapolations`: findings on a largest pressure [Pa] and
+    strain [-] of a measured muscle, by the name of the drawing that is based on it.
     """
 
     products: Mapping[str, Product] = field(default_factory=dict)
@@ -316,6 +318,9 @@ class Catalog:
     air: float | None = None
     energy: float | None = None
     density: float | None = None
+    extrapolations: Mapping[str, Callable[[float, float], list[Finding]]] = field(
+        default_factory=dict
+    )
 
     def price(self, designs: Designs) -> PerDesign:
         """Price of muscles and valves of each of the `designs` [-]; NaN if unknown."""

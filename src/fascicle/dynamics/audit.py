@@ -208,17 +208,22 @@ def _balance(
 ) -> Balance:
     """Balance of rows in time, over the largest change of any of them or a given `size`; a
     `mismatch` is named, but is part of the residual all the same: it comes from nowhere. What is
-    no more than their `rounding`, in `unit`, is zero.
+    no more than their `rounding`, in `unit`, is zero. With numbers that aren't finite it is open.
     """
     rows = [*inputs.values(), *outputs.values()]
-    size = max(size, *(float(np.max(np.abs(row - row[0]))) for row in rows))
+    with np.errstate(invalid="ignore"):  # of infinite numbers
+        size = float(np.max([size, *(np.max(np.abs(row - row[0])) for row in rows)]))
     ends_in, ends_out = (
         {key: float(row[-1] - row[0]) for key, row in side.items()} for side in (inputs, outputs)
     )
     residual, made = sum(ends_in.values()) - sum(ends_out.values()), 0.0
+    is_finite = np.isfinite(size) and np.isfinite(rounding)
     if mismatch is not None:
         ends_out[_MADE] = made = float(mismatch[-1] - mismatch[0])
+        is_finite = is_finite and np.isfinite(made)
         made = made if abs(made) > max(tolerance * size, rounding) else 0.0
-    is_closed = abs(residual) <= rounding or not size > 0
-    relative = 0.0 if is_closed else float(abs(residual) / size)
+    relative = np.nan
+    if is_finite:
+        is_zero = abs(residual) <= rounding or size == 0
+        relative = 0.0 if is_zero else float(abs(residual) / size)
     return Balance(name, unit, ends_in, ends_out, residual, relative, tolerance, made)

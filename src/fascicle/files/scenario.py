@@ -374,10 +374,12 @@ def loads_scenario(
     return scenario_from_dict(parse_file(text, source), source, folder, name or source)
 
 
-def lift_scenario(bundle: Bundle, name: str, path: Path | None = None) -> Scenario:
-    """Scenario `lift_gas` with another `bundle`: its motor units fill one after another, lift half
-    of the first one's blocked force, and are vented in reverse. `path`: of a calibrated muscle,
-    whose friction it has.
+def lift_scenario(
+    bundle: Bundle, name: str, path: Path | None = None, mass: float | None = None
+) -> Scenario:
+    """Scenario `lift_gas` with another `bundle`: its motor units fill one after another, lift a
+    `mass` [kg], by default half of the first one's blocked force, and are vented in reverse.
+    `path`: of a calibrated muscle, whose friction it has.
     """
     data = parse_file(shipped_text("scenarios", "lift_gas"), name)
     tables = parse_file(dumps(bundle), name)
@@ -386,11 +388,13 @@ def lift_scenario(bundle: Bundle, name: str, path: Path | None = None) -> Scenar
     if bundle.supply_pressure is not None:
         supply["pressure"] = exact(float(bundle.supply_pressure), "pressure")
     pressure, first = parse(supply["pressure"], "pressure"), units[0]
-    gravity = float(dynamics.HangingMass(1.0).gravity)
-    mass = first.count * float(first.muscle.blocked_force(pressure)) / 2 / gravity
+    if mass is None:
+        gravity = float(dynamics.HangingMass(1.0).gravity)
+        half = first.count * float(first.muscle.blocked_force(pressure)) / 2
+        mass = float(f"{half / gravity:.3g}")
     # about as in `lift_gas`: damping by mass, stops by length, valves and hoses by volume
     length, volume = float(first.muscle.length), 1e6 * float(first.muscle.braid.volume(0.0))
-    data["load"] |= {"mass": f"{mass:.3g} kg", "damping": f"{10 * mass:.3g} N*s/m"}
+    data["load"] |= {"mass": f"{mass!r} kg", "damping": f"{10 * mass:.3g} N*s/m"}
     data["load"]["stop"] = {"low": f"{-0.15 * length:.3g} m", "high": f"{0.25 * length:.3g} m"}
     data["fluid"]["dead_volume"] = [f"{0.125 * volume * unit.count:.3g} mL" for unit in units]
     data["valve"]["C"] = f"{volume / 160:.3g} L/(s*bar)"

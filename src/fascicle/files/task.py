@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import attrs
-import numpy as np
 
 from ..bundle import Bundle
 from ..bundle.schemes import scheme_of
@@ -58,11 +57,12 @@ _MAX_VALUES = (
 
 
 class Offer(NamedTuple):
-    """Muscles on sale by name, the `products` they are, the `currency` of their prices ("" if none
-    has one), and `findings` on them.
+    """Muscles on sale by name, names of the muscles they are based on, the `products` they are, the
+    `currency` of their prices ("" if none has one), and `findings` on them.
     """
 
     drawings: dict[str, Muscle]
+    bases: dict[str, str]
     products: dict[str, Product]
     currency: str
     findings: list[Finding]
@@ -115,14 +115,15 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     offer = _offer(design, location, folder)
     space = _design_space(design, location, limits, folder, offer)
     prices = file.prices or schema.PricesSection()
-    catalog = _priced_catalog(prices, root.child("prices"), design.density, offer)
+    catalog = _priced_catalog(prices, root.child("prices"), design.density, design.muscle, offer)
     block = (file.sweep and file.sweep.block) or _BLOCK
     if design.density is not None and not 1.0 <= design.density <= 3e4:
         raise location.error(("density",), "must lie in [1, 30000] kg/m^3.")
     scatter, uncertainty = file.scatter or schema.ScatterSection(), None
     if scatter.enabled is not False:
         uncertainty = _uncertainty(scatter, design, root.child("scatter"), folder, probability)
-    findings = _fit_findings(design.muscle, folder, task, space) + (offer.findings if offer else [])
+    findings = _fit_findings(design.muscle, folder) if uncertainty is None else []
+    findings += offer.findings if offer else []
     cycle = _cycle(file.cycle, task, root.child("cycle"))
     options = (catalog, uncertainty, block, findings, least_margin, cycle)
     return TaskFile(task, space, senses, limits, *options)
@@ -141,16 +142,13 @@ def _cycle(section: schema.CycleSection | None, task: Task, location: FileLocati
     return location.call(Cycle, **values)
 
 
-def _fit_findings(names: Sequence[str], folder: Path, task: Task, space: Space) -> list[Finding]:
-    """Findings on the errors of fitted muscles with these `names`, and on extrapolations."""
+def _fit_findings(names: Sequence[str], folder: Path) -> list[Finding]:
+    """Findings on the errors of fitted muscles with these `names`."""
     findings = []
     for name in names:
         if isinstance(rmse := _fit_errors(name, folder).get("rmse"), str):
             data = {"muscle": name, "rmse": parse(rmse, "force")}
             findings.append(Finding("muscle.fit_error", Severity.NOTE, data))
-        if name in measured_muscles and name in space.drawings:
-            strain = float(np.max(task.strain_of(float(space.drawings[name].length))))
-            findings += measured_muscles[name].extrapolations(task.supply_pressure, strain)
     return findings
 
 
@@ -288,8 +286,9 @@ def _uncertainty(
     usual, basis = attrs.asdict(USUAL_SCATTER), Uncertainty.basis
     errors = [_fit_errors(name, folder).get("relative_rmse") for name in design.muscle]
     errors = [error for error in errors if isinstance(error, float) and 0 <= error < 1]
-    # a catalog's products have other sizes than what was measured
-    if design.catalog is None and len(errors) == len(design.muscle):
+    if design.catalog is not None:
+        basis = "product"
+    elif len(errors) == len(design.muscle):
         usual["model_error"], basis = max(errors), "fit"
     if "model_error" in deviations:
         basis = "given"
@@ -319,15 +318,22 @@ def _priced_catalog(
     prices_section: schema.PricesSection,
     location: FileLocation,
     density: float | None,
+    muscles: Sequence[str],
     offer: Offer | None,
 ) -> Catalog:
-    """Catalog of an offer's products, if there is one, with the prices of `[prices]`."""
+    """Catalog of an offer's products, or of `muscles`, with the prices of `[prices]`."""
     prices: dict[str, Price] = {key: price for key, price in prices_section if price is not None}
     products, currency = (offer.products, offer.currency) if offer else ({}, "")
     for key, price in prices.items():
         currency = _common_currency(currency, price, location.child(key))
     amounts = {key: price.amount for key, price in prices.items()}
-    return Catalog(products, currency, density=density, **amounts)
+    bases = offer.bases if offer else dict(zip(muscles, muscles, strict=True))
+    extrapolations = {
+        name: measured_muscles[base].extrapolations
+        for name, base in bases.items()
+        if base in measured_muscles
+    }
+    return Catalog(products, currency, density=density, extrapolations=extrapolations, **amounts)
 
 
 def _common_currency(currency: str, price: Price | None, location: FileLocation) -> str:
@@ -371,6 +377,7 @@ def _build_offer(
     folder: Path,
 ) -> Offer:
     drawings: dict[str, Muscle] = {}
+    bases: dict[str, str] = {}
     products: dict[str, Product] = {}
     findings, currency = list[Finding](), ""
     borrowed: dict[tuple[str, ...], list[str]] = {}  # products by their base and its parts
@@ -395,6 +402,7 @@ def _build_offer(
                 raise location.error(("name",), "repeats a product of this length.")
             with location.error_context(), warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # of other lengths: a note says it
+                bases[name] = base_name
                 drawings[name] = _product_muscle(section, base, base_name, length)
                 products[name] = _product(section, length)
         borrowed.setdefault((base_name, *_borrowed_parts(section)), []).append(section.name)
@@ -406,7 +414,7 @@ def _build_offer(
     for (base_name, *parts), names in borrowed.items():
         data = {"products": names, "muscle": base_name, "parts": parts}
         findings.append(Finding("product.parts_borrowed", Severity.NOTE, data))
-    return Offer(drawings, products, currency, findings)
+    return Offer(drawings, bases, products, currency, findings)
 
 
 def _borrowed_parts(section: ProductSection) -> list[str]:

@@ -92,29 +92,32 @@ def conductance_from_cv(Cv: Batch, b: Batch) -> Batch:
 
 
 class CatalogValve(NamedTuple):
-    """Valve of the catalog by its `name`: `supply` and `exhaust`; `source` of the figures."""
+    """On/off valve of the catalog by its `name`, and its `kind`, such as "5/2": `supply` and
+    `exhaust`; `source` of the figures.
+    """
 
     name: str
+    kind: str
     supply: SonicValve
     exhaust: SonicValve
     source: str
 
 
 def _valve(
-    name: str, supply: tuple[float, float], exhaust: tuple[float, float], source: str
+    name: str, kind: str, supply: tuple[float, float], exhaust: tuple[float, float], source: str
 ) -> CatalogValve:
     """Valve of the catalog from printed figures: C [L/(s·bar)] and b [-] of both ways."""
     filling, venting = (SonicValve(C * _LITER_PER_SECOND_BAR, b) for C, b in (supply, exhaust))
-    return CatalogValve(name, filling, venting, source)
+    return CatalogValve(name, kind, filling, venting, source)
 
 
 def catalog_valves() -> tuple[CatalogValve, ...]:
     """Valves of the catalog, the smallest first."""
     return (
-        _valve("CKD M3GA1-R", (0.86, 0.31), (1.1, 0.19), _CKD),  # two 3-port valves in one
-        _valve("CKD M3GA2-R", (1.7, 0.40), (2.3, 0.29), _CKD),  # as above
-        _valve("SMC 51-SY5120", (1.9, 0.35), (2.4, 0.39), _SMC),
-        _valve("CKD M4GA3-R", (3.2, 0.37), (3.8, 0.13), _CKD),  # two positions
-        _valve("SMC 51-SY7120", (4.1, 0.23), (3.3, 0.33), _SMC),
-        _valve("SMC 51-SY9120", (7.0, 0.33), (7.6, 0.35), _SMC),
+        _valve("CKD M3GA1-R", "3/2", (0.86, 0.31), (1.1, 0.19), _CKD),  # two valves in one
+        _valve("CKD M3GA2-R", "3/2", (1.7, 0.40), (2.3, 0.29), _CKD),  # as above
+        _valve("SMC 51-SY5120", "5/2", (1.9, 0.35), (2.4, 0.39), _SMC),
+        _valve("CKD M4GA3-R", "5/2", (3.2, 0.37), (3.8, 0.13), _CKD),
+        _valve("SMC 51-SY7120", "5/2", (4.1, 0.23), (3.3, 0.33), _SMC),
+        _valve("SMC 51-SY9120", "5/2", (7.0, 0.33), (7.6, 0.35), _SMC),
     )

@@ -18,6 +18,7 @@ from ..design.objectives import BY_WEIGHT, OBJECTIVES, allowed_miss_fraction
 from ..design.scatter import Uncertainty
 from ..design.summary import STANDARD_GRAVITY, Summary
 from ..units import DIMENSIONS, format_digits, pretty
+from .words import words as words_of_code
 
 
 MISSED = "MISSED"
@@ -28,6 +29,7 @@ _BASES = {
     "given": "given",
     "fit": "error of the fit",
     "assumed": "assumed, as the muscle isn't calibrated",
+    "product": "assumed, as products have other sizes than the muscles that were fitted",
 }
 _LARGE = 2.0  # share from which a factor reads better than percent
 _ROBUSTNESS = {
@@ -135,8 +137,8 @@ def headline(answer: Answer) -> list[str]:
 
 def _nearest_text(answer: Answer, sizes: str) -> str:
     """Sentence on the nearest, or surest, design and its largest miss."""
-    cases, result = answer.summary.cases, answer.result
-    if result.safety is not None:
+    cases = answer.summary.cases
+    if answer.findings[0].code == "design.unsafe":
         margin = percent(answer.summary.relative_margin)
         return f"The surest is {sizes}. Its margin at nominal sizes is {margin}."
     if cases.reached.all():
@@ -311,6 +313,10 @@ def facts(answer: Answer) -> dict[str, str]:
     return lines
 
 
+def _time_text(time: float) -> str:
+    return pretty(time, "time", 3) if math.isfinite(time) else "never"
+
+
 def _cycle_texts(summary: Summary, run: CycleRun | None) -> dict[str, str]:
     """Times and air of the cycle, and its run over time, in words, by topic."""
     sizing = summary.sizing
@@ -326,7 +332,7 @@ def _cycle_texts(summary: Summary, run: CycleRun | None) -> dict[str, str]:
     verdict = "passes" if run.passes(sizing.cycle) else "FAILS"
     ran = (
         f"{verdict} at these pressures and such valves, without friction: lifted after"
-        f" {pretty(run.lifted, 'time', 3)}, released after {pretty(run.released, 'time', 3)},"
+        f" {_time_text(run.lifted)}, released after {_time_text(run.released)},"
         f" overshoot {percent(max(run.overshoot, 0.0))} ({percent(BAND)} allowed), peak force"
         f" {pretty(run.peak_force, 'force', 3)}"
     )
@@ -349,7 +355,8 @@ def parts(answer: Answer) -> list[str]:
     price, size = float(catalog.muscle_price(design)[0]), _muscle_sizes(answer.result, design, 0)
     lines = [part(summary.muscles, "muscle", size, price=price, source=source)]
     cases, kind = summary.cases, "on/off 3/2 valve"
-    if np.any((cases.pressures > 0) & (cases.pressures < 0.999 * cases.task.supply_pressure)):
+    filled, below = cases.pressures > 0, cases.pressures < 0.999 * cases.task.supply_pressure
+    if is_throttled := bool(np.any(filled & below)):
         kind = (
             "proportional valve or regulator (or 3/3 valve with closed center, or on/off valve and"
             " a stop)"
@@ -364,6 +371,10 @@ def parts(answer: Answer) -> list[str]:
         name, source = "such as no valve of the catalog has", ""
         if valve is not None:
             name, source = f"such as {valve.name} has", valve.source
+            if is_throttled:
+                name += f" (on/off, {valve.kind}: fits with a stop alone)"
+            elif valve.kind != "3/2":
+                name += f" ({valve.kind}, one outlet plugged)"
         lines.append(part(len(units), kind, flow, name, price=catalog.valve, source=source))
     if sizing.bore is not None:
         length = pretty(sizing.cycle.hose_length or 0.0, "length", 3)
@@ -459,12 +470,15 @@ _CATALOGUE: dict[str, Callable[[Mapping[str, Any], Answer], str]] = {
         " margin). Computed forces can be off by tens of percent: it may fail the task."
     ),
     "design.no_valve": lambda data, _: (
-        f"no valve is fast enough: a hose of {pretty(data['hose_length'] or 0.0, 'length', 3)} up"
-        f" to {1e3 * WIDEST_BORE:g} mm wide lets too little air through. Take a shorter hose, or"
+        "No design is recommended: no valve is fast enough for the best, a hose of"
+        f" {pretty(data['hose_length'] or 0.0, 'length', 3)} up to {1e3 * WIDEST_BORE:g} mm wide"
+        " lets too little air through. Take a shorter hose, or"
         " more time, in [cycle]."
     ),
-    "design.cycle_failed": lambda *_: (
-        "it fails its cycle in the run over time. Allow more time in [cycle], or damp the load."
+    "design.cycle_failed": lambda data, _: (
+        "No design is recommended: the best fails its cycle in the run over time, lifted after"
+        f" {_time_text(data['lifted'])}, released after {_time_text(data['released'])}, overshoot"
+        f" {percent(max(data['overshoot'], 0.0))}. Allow more time in [cycle], or damp the load."
     ),
     "design.judged_in_part": lambda data, _: f"only {data['judged']} designs were judged in draws.",
     "design.held_open": _held_open,
@@ -477,5 +491,7 @@ def further_findings(answer: Answer) -> list[Finding]:
 
 
 def words(finding: Finding, answer: Answer) -> str:
-    """A finding in words."""
-    return _CATALOGUE[finding.code](finding.data, answer)
+    """A finding in words, a sentence."""
+    if finding.code in _CATALOGUE:
+        return _CATALOGUE[finding.code](finding.data, answer)
+    return f"{words_of_code(finding)}."

@@ -114,6 +114,18 @@ def test_a_stop_holds_and_is_reported(stopped):
     assert np.all(seen.store[seen.position < 0.01, place] == 0)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("row", [5, -1])
+def test_numbers_that_are_not_finite_close_no_balance(stopped, value, row):
+    start = dynamics.equilibrium_state(stopped, 2e4)
+    run = dynamics.simulate(stopped, np.zeros((10, 1)), start=start)
+    assert dynamics.audit(stopped, run).closes
+    ledger = np.array(run.ledger)
+    ledger[row] = value
+    balances = dynamics.audit(stopped, run._replace(ledger=ledger)).balances
+    assert not any(balance.closes for balance in balances)
+
+
 def test_a_strain_off_the_table_is_reported(stopped):
     plant = eqx.tree_at(lambda p: p.load.mass, stopped, np.float64(200.0))
     start = dynamics.equilibrium_state(plant, 1e5, position=0.0)

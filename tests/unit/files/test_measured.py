@@ -139,6 +139,7 @@ def test_a_calibrated_muscle_lifts_a_mass_with_its_friction(damped, tmp_path):
     half = units[0] * calibration.muscle.blocked_force(plant.supply_pressure) / 2
     # the file has three digits of the mass
     assert_allclose(plant.load.mass * plant.load.gravity, half, rtol=5e-3)
+    assert lift_scenario(bundle, "muscle", path, mass=1.2345).plant.load.mass == 1.2345
     run = scenario.run()
     assert audit(plant, run).closes
     position = run.outputs.position

@@ -156,6 +156,8 @@ def test_fit_error_is_noted(tmp_path):
     fs.save(muscle, tmp_path / "fitted.toml", {"rmse": "12.5 N"})
     text = PLAIN.replace("kim2021_figure_6", "fitted.toml") + "muscles = 2\n"
     (tmp_path / "task.toml").write_text(text)
+    assert load_task(tmp_path / "task.toml").findings == []  # the draws have the model's error
+    (tmp_path / "task.toml").write_text(f"{text}[scatter]\nenabled = false\n")
     (finding,) = load_task(tmp_path / "task.toml").findings
     assert finding.code == "muscle.fit_error"
     assert finding.data == {"muscle": "fitted.toml", "rmse": 12.5}

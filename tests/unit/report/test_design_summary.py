@@ -28,9 +28,11 @@ def codes(answered):
 
 def test_a_swinging_load_fails_its_cycle():
     ran = answer([200.0, 60.0], [0.08, 0.12], cycle=Cycle(0.03, 0.05, 30.0))
-    assert ran.run.overshoot > 0.1 and "design.cycle_failed" in codes(ran)
+    assert ran.run.overshoot > 0.1 and codes(ran)[0] == "design.cycle_failed"
+    assert not ran.is_recommended and not text.parts(ran) and len(text.headline(ran)) == 2
     slow = answer([200.0, 60.0], [0.08, 0.12], cycle=Cycle(3.0, 3.0, 5.0))
-    assert slow.run.passes(slow.summary.sizing.cycle) and "design.cycle_failed" not in codes(slow)
+    assert slow.run.passes(slow.summary.sizing.cycle) and slow.is_recommended
+    assert "design.cycle_failed" not in codes(slow)
     assert "passes" in text.facts(slow)["run over time"]
 
 
@@ -51,6 +53,11 @@ def test_run_is_left_out_without_jax(monkeypatch):
     monkeypatch.setattr(builtins, "__import__", without_jax)
     ran = answer(100.0, 0.08, cycle=Cycle(1.0, 1.0, 20.0))
     assert ran.run is None and ran.summary.sizing.feasible
+
+
+def test_a_design_without_a_valve_that_is_fast_enough_is_not_recommended():
+    found = answer(100.0, 0.08, cycle=Cycle(0.01, 0.01, 20.0, hose_length=90.0))
+    assert codes(found)[0] == "design.no_valve" and not found.is_recommended
 
 
 def test_facts_list_known_prices_and_products():
