@@ -130,13 +130,13 @@ def test_draws_are_the_normal_approximation(many):
 
 def test_drawn_muscles_have_the_mean_and_covariance_of_the_fit(many):
     fitted = next(made for made in many if all(one.identifiable for one in made.parameters))
-    muscles = fitted.muscles(2000, seed=4)
+    muscles = fitted.muscles(500, seed=4)
     z = np.array([[p.coordinate(muscle) for p in fitted.problem.parameters] for muscle in muscles])
     scale = np.sqrt(np.diag(fitted.covariance))
     # a mean of n draws scatters by 1/√n, a correlation by up to √(2/n): five of these
-    assert_allclose((z.mean(axis=0) - fitted.coordinates) / scale, 0, atol=5 / np.sqrt(2000))
+    assert_allclose((z.mean(axis=0) - fitted.coordinates) / scale, 0, atol=5 / np.sqrt(500))
     correlation = np.cov(z.T) / np.outer(scale, scale)
-    assert_allclose(correlation, fitted.correlation, atol=5 * np.sqrt(2 / 2000))
+    assert_allclose(correlation, fitted.correlation, atol=5 * np.sqrt(2 / 500))
     # the readings' curves are the fitted muscle's, and no draw has sizes that none can have
     force = np.array([muscle.blocked_force(124.1e3) for muscle in muscles])
     assert np.all(np.isfinite(force) & (force > 0))

@@ -58,13 +58,14 @@ def test_readings_of_a_prior_are_not_fitted_as_well():
 
 @pytest.mark.parametrize("factor", [0.6, 1.2])
 @pytest.mark.parametrize("samples", [50, 400])
-def test_a_column_that_folds_earlier_is_no_zero(samples, factor):
+@pytest.mark.parametrize("seeds", [1, pytest.param(5, marks=pytest.mark.slow)])
+def test_a_column_that_folds_earlier_is_no_zero(samples, factor, seeds):
     # of many readings even a small misfit would be clear; without a zero none may be named
     example = fs.example("kim2021_slenderness_10")
     true = example.replace(tuning=with_fields(example.tuning, collapse_moment_factor=factor))
     nominal = true.replace(tuning=None)
     machine = VirtualDynamometer(pressures=(0.0, 2e5, 4e5), samples=samples)
-    for seed in range(5):
+    for seed in range(seeds):
         record = machine.record(true, seed=seed)
         assert not select_fit_data(record, nominal).gauge.faults
         zero = 0.03 * float(np.max(record.force))
@@ -270,6 +271,7 @@ def test_a_drift_needs_a_time_that_no_branch_or_file_has_alone(clock, sources, c
     assert drift_confounders(data.record) == confounders
     is_candidate = "force_drift" in possible_gauge_errors(data)
     assert is_candidate == (clock == "one" and sources == 1)
-    fitted = fit(record, MUSCLE, ["c10"], whole=False)
-    codes = {finding.code: finding.data for finding in calibration_findings(fitted)}
-    assert codes.get("coverage.drift_confounded", {}).get("confounders", []) == confounders
+    if sources == 2 and clock != "one":  # both confounders, and none
+        fitted = fit(record, MUSCLE, ["c10"], whole=False)
+        codes = {finding.code: finding.data for finding in calibration_findings(fitted)}
+        assert codes.get("coverage.drift_confounded", {}).get("confounders", []) == confounders

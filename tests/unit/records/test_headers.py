@@ -2,8 +2,7 @@
 
 import pytest
 
-from asked import asked
-from fascicle.records import MissingMetadataError, loads
+from fascicle.records import loads
 from fascicle.records.headers import choose_columns, unit_factor
 from fascicle.records.sidecar import Sidecar
 from fascicle.records.tables import open_table
@@ -41,89 +40,6 @@ def test_spellings(dimension):
         # inHg has six digits in pint, all others are exact but for rounding
         rel = 1e-6 if unit == "inHg" else 1e-12
         assert unit_factor(unit, dimension) == pytest.approx(si, rel=rel), unit
-
-
-@pytest.mark.parametrize(
-    "header",
-    ["Absolutdruck [bar]", "Total pressure [bar]", "Pression absolue [bar]", "pressure_bar_abs",
-     "Pressure MPa abs", "P (kPa abs.)", "P [kPa(abs)]", "P [kPa (a)]", "P [psia]", "P_abs [mbar]"],
-)  # fmt: skip
-def test_absolute_pressures_offer_the_atmosphere(header):
-    for units in ({}, {"pressure": "kPa"}):
-        assert asked(table(header), rest_length=0.2, units=units)[0][0] == "atmosphere"
-
-
-def test_a_pressure_that_a_name_calls_absolute_may_be_given_as_gauge():
-    _, (argument, role, unit) = asked(table("Total pressure [kPa]"), rest_length=0.2)
-    record = loads(table("Total pressure [kPa]"), rest_length=0.2, **{argument: {role: unit}})
-    assert record.pressure == 200e3
-
-
-@pytest.mark.parametrize(
-    ("header", "unit", "si"),
-    [("Load (g)", "gf", 9.80665e-3), ("mass_kg", "kgf", 9.80665), ("Mass", "kgf", 9.80665),
-     ("Load [oz]", "ozf", 0.45359237 * 9.80665 / 16), ("Load", "N", 1.0)],
-)  # fmt: skip
-def test_a_missing_unit_of_a_weight_is_offered(header, unit, si):
-    text = table(force=header, values="200,5,190")
-    assert asked(text, rest_length=0.2)[0] == ("units", "force", unit)
-    record = loads(text, rest_length=0.2, units={"force": unit})
-    assert record.force[0] == pytest.approx(5 * si)
-
-
-@pytest.mark.parametrize(
-    ("role", "header"), [("force", "F [V]"), ("pressure", "P [mA]"), ("pressure", "adc_pressure")]
-)
-def test_a_scale_is_offered_for_a_signal(role, header):
-    assert asked(table(**{role: header}), rest_length=0.2)[0][:2] == ("scales", role)
-
-
-def test_no_unit_is_offered_where_the_numbers_are_of_another_quantity():
-    with refuses_at("<text>, line 1") as error:
-        loads(table(force="F [mm]"), rest_length=0.2)
-    assert not isinstance(error.value, MissingMetadataError)
-
-
-def test_a_given_atmosphere_is_subtracted_unless_the_unit_says_gauge():
-    text = table(values="101.3,5,190\n301.3,60,190")
-    assert loads(text, rest_length=0.2, atmosphere="101.3 kPa").pressure[0] == pytest.approx(0)
-    gauge = text.replace("kPa", "kPa (g)")
-    assert loads(gauge, rest_length=0.2, atmosphere="101.3 kPa").pressure[0] == 101.3e3
-    with refuses_at("<text>, line 2"):
-        loads(text.replace("101.3", "50"), rest_length=0.2, atmosphere="101.3 kPa")
-
-
-def test_an_atmosphere_at_which_the_muscle_is_slack_is_refused():
-    offered = asked(table(values="101.3,0.5,200\n301.3,60,200"), rest_length=0.2)
-    assert offered == [("atmosphere", "", "101.3 kPa"), ("units", "pressure", "kPa (g)")]
-
-
-@pytest.mark.parametrize("name", ["adc_pressure", "p_raw", "Pressure voltage"])
-def test_raw_readings_are_no_pressure(name):
-    with refuses("columns" if name == "p_raw" else "scales"):
-        loads(table(pressure=name), rest_length=0.2)
-
-
-def test_numbers_of_channels_are_no_units():
-    record = loads("Pressure 1,Force 1,Length 1\nkPa,N,mm\n200,50,190\n", rest_length=0.2)
-    assert record.force == [50]
-    assert asked(table("Pressure 1"), rest_length=0.2)[0] == ("units", "pressure", "kPa")
-
-
-def test_a_given_unit_is_not_that_of_columns_with_other_names():
-    text = "t;p_soll;p_ist;F;s\n0;2;1.9;50;10\n"
-    units = {"pressure": "bar", "force": "N", "displacement": "mm"}
-    record = loads(text, rest_length=0.2, columns={"displacement": "s"}, units=units)
-    assert record.pressure == [1.9e5]
-    assert asked(text, rest_length=0.2)[0] == ("columns", "length", "s")
-
-
-def test_fractions_in_a_column_of_percent_are_refused():
-    rows = "\n".join(f"200,{100 - 400 * x},{x}" for x in (0, 0.05, 0.1, 0.15, 0.2, 0.25))
-    text = table(position="Contraction (%)", values=rows)
-    assert asked(text)[0] == ("units", "strain", "1")
-    for unit, largest in (("1", 0.25), ("%", 0.0025)):
-        assert loads(text, units={"strain": unit}).strain.max() == pytest.approx(largest)
 
 
 def test_a_hint_is_left_out_where_it_is_not_known():
