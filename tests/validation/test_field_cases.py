@@ -20,8 +20,7 @@ READ = {
     "04_bluehill_200kPa.csv": (5, {"constants": {"pressure": "200 kPa"}}),
     "04b_bluehill_raw_only_200kPa.csv": (5, {"name_pattern": "{pressure}kPa"}),
     "05_labview.lvm": (5, {}), "06_timestamps.csv": (5, {}),
-    "07_hanging_mass.csv": (8, {"units": {"force": "gf"}}),
-    "07b_mass_kg.csv": (8, {"units": {"force": "kgf"}}),
+    "07_hanging_mass.csv": (8, {}), "07b_mass_kg.csv": (8, {}),
     "09_whitespace.dat": (4, {}), "12b_zero_offset.csv": (4, {"zeros": {"pressure": "8.2 kPa"}}),
     "13_isometric_two_branches.csv": (480, {}),
     "20_short_zero_sweep_german.csv": (540, {"rest_length": 0.2}), "21_zugversuch.csv": (1600, {}),
@@ -45,7 +44,6 @@ def test_every_file_is_read(name):
     [
         ("01_headerless.csv", ("columns", "")),
         ("04_bluehill_200kPa.csv", ("constants", "pressure")),
-        ("07_hanging_mass.csv", ("units", "force")), ("07b_mass_kg.csv", ("units", "force")),
     ],
 )  # fmt: skip
 def test_what_a_file_lacks_is_offered(name, choice):
@@ -57,14 +55,9 @@ def test_a_rigs_clock_gives_the_time():
     assert record.time == pytest.approx([0, 0.1, 0.2, 0.3, 0.4])
 
 
-@pytest.mark.parametrize(
-    ("name", "column", "unit"),
-    [("07_hanging_mass", "Load (g)", "gf"), ("07b_mass_kg", "Mass (kg)", "kgf")],
-)
-def test_hanging_masses_are_weights(name, column, unit):
-    path, given = measured(f"field-cases/{name}.csv"), {"columns": {"force": column}}
-    assert asked(path, rest_length=0.18, **given)[0] == ("units", "force", unit)
-    record = load(path, rest_length=0.18, units={"force": unit}, **given)
+@pytest.mark.parametrize("name", ["07_hanging_mass", "07b_mass_kg"])
+def test_hanging_masses_are_weights(name):
+    record = load(measured(f"field-cases/{name}.csv"), rest_length=0.18)
     assert record.force.min() == pytest.approx(0.2 * 9.80665)  # N: the lightest mass, of 200 g
 
 

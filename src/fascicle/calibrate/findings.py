@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..core.findings import Finding, Severity
+from ..records.record import DOWN, UP
 from .calibration import Calibration, rms
 from .gauges import PERFECT, drift_confounders
 from .model_selection import Selection
@@ -173,7 +174,8 @@ def _of_use(calibration: Calibration) -> Iterator[Finding]:
     """No loop of friction, strains by a fitted length, and sizes that contradict the given ones."""
     if not np.any(calibration.record.force):
         yield _warning("use.no_force")
-    if calibration.loop is None:
+    # under a load that hangs, both branches are fitted though their loop has no width in force
+    if calibration.loop is None and not {UP, DOWN} <= {*calibration.record.branch.tolist()}:
         yield _note("use.no_loop")
     if directions := calibration.damping.unknown:
         slow, fast = calibration.damping.speeds

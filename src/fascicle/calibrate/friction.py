@@ -77,6 +77,8 @@ def fit_friction(record: Record, length: float) -> Friction | None:
     # at a turn both branches are one reading
     loops = loops[:, np.minimum(loops[1], loops[2]) > step / 2]
     width, n = loops[3], loops.shape[1]
+    if n == 0:
+        return None
     if np.mean(width) <= _CLEAR * np.std(width) / np.sqrt(n):
         return Friction(None, width, 0.0 * width, np.zeros(0), (), len(levels))
     fits = [_fit_springs(loops, step, len(levels), k) for k in range(1, _MAX_SPRINGS + 1)]

@@ -111,7 +111,7 @@ class Outputs:
         findings: Sequence[Mapping[str, Any]] | None = None,
     ) -> None:
         """Write the files, then print; `table` prints for a reader, `figure` returns --plot's;
-        `findings` are printed with JSON.
+        `findings` stand in JSON, printed or written.
         """
         from ..results import labelled
 
@@ -127,7 +127,9 @@ class Outputs:
             if self.out is not None:
                 attributes = {"notes": notes} if notes else {}
                 with replace_output("--out", self.out, self.overwrite) as draft:
-                    labelled.write(variables, draft, title=title, source=SOURCE, **attributes)
+                    labelled.write(
+                        variables, draft, findings, title=title, source=SOURCE, **attributes
+                    )
             if self.plot is not None and figure is not None:
                 update("drawing the picture")
                 with user_errors():

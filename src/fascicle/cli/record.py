@@ -208,7 +208,9 @@ def convert(
     lines = record_lines(measured)
     _write_record(replace(measured, notes=tuple(lines)), out, overwrite)
     if as_json:
-        print(json.dumps({"path": out, "readings": len(measured), "notes": lines}))
+        findings = [finding.to_json() for finding in measured.findings]
+        answer = {"path": out, "readings": len(measured), "findings": findings, "notes": lines}
+        print(dump_json(answer))
         return
     print_line(f"wrote {out}: {len(measured)} readings")
     for line in lines:

@@ -66,7 +66,6 @@ TERMS = _lists("""
     branch = branch, direction, sweep, phase;
     clipped = clipped, censored, saturated, slack, zero is no tension, no tension""")
 _ABSOLUTE_WORDS = {*words("abs, absolute, total, absolutdruck, absolue, absolut, absoluter")}
-_MASSES = {"mass", "masse", "weight", "gewicht"}
 # these grow as the muscle lengthens
 _LONGER = {"extension", "elongation", "tensile", "verlängerung"}
 _NEEDS_UNIT = {
@@ -93,6 +92,9 @@ def _spellings(text: str) -> dict[str, str]:
     return {spelling: unit for unit, names in _lists(text).items() for spelling in names}
 
 
+# of masses that hang from a muscle, the unit of their weight
+_WEIGHTS = _spellings("""gf = g, gram, grams, gramm, gr; ozf = oz, ounce, ounces;
+    kgf = kg, kgs, kilo, kilos, kilogram, kilograms, kilogramm""")
 # spellings in lower case, without ^ and with 2 for ²: of units that `fascicle.units` knows, or of
 # the SI units in one; signs and blanks in those of moments are left out
 SPELLINGS = {
@@ -103,7 +105,8 @@ SPELLINGS = {
         1e4 = n/cm2"""),
     "force": _spellings("""N = n, newton, newtons; kN = kn; daN = dan; cN = cn; kip = kip, kips;
         lbf = lbf, lb, lbs, pound, pounds, lb-f, pound-force; ozf = ozf;
-        kgf = kgf, kp, kg-f, kilogram-force; gf = gf, gram-force, grams-force"""),
+        kgf = kgf, kp, kg-f, kilogram-force; gf = gf, gram-force, grams-force""")
+    | _WEIGHTS,
     "length": _spellings("""m = m, meter, meters, metre, metres; cm = cm; µm = um, μm; ft = ft;
         mm = mm, millimeter, millimeters, millimetres; in = in, inch, inches, \""""),
     "angle": _spellings("deg = deg, °, degree, degrees; rad = rad, radian, radians; mrad = mrad"),
@@ -123,9 +126,6 @@ _GAUGE = re.compile(
     re.IGNORECASE,
 )
 _ABSOLUTE = re.compile(r"^(psi|m?bar|[hkm]?pa)[\s_(]*(?:a\)?|abs\.?\)?|absolute\)?)$")
-# of masses that hang from a muscle, the unit of their weight
-_WEIGHTS = _spellings("""gf = g, gram, grams, gramm, gr; ozf = oz, ounce, ounces;
-    kgf = kg, kgs, kilo, kilos, kilogram, kilograms, kilogramm""")
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _ALTERNATIVES = (("pressure",), ("force", "torque"), POSITIONS)  # one of each is needed
 _EXAMPLES = {"pressure": "200 kPa", "force": "20 N", "length": "167 mm"}  # of a file's constants
@@ -201,9 +201,9 @@ def si_unit(role: str) -> str:
     return UNITS[dimension_of(role)].si or "-"
 
 
-def weight_unit(unit: str, dimension: str) -> str:
-    """The unit of force for a column of masses, such as "kgf" for "kg"; empty for other units."""
-    return _WEIGHTS.get(unit.strip().lower(), "") if dimension == "force" else ""
+def is_mass(unit: str) -> bool:
+    """True for a unit of mass, which is read as one of weight."""
+    return unit.strip().lower() in _WEIGHTS
 
 
 def absolute_unit(unit: str) -> str:
@@ -270,7 +270,7 @@ def read_header(header: str) -> list[tuple[str, str]]:
     units = [text for text in brackets if is_any_unit(text)]
     if brackets:
         # a bracket that is no unit may be a misspelled one, or a remark
-        meanings.append((_plain(outside), strip_brackets((units or brackets)[-1])))
+        meanings.append((_plain(outside), strip_brackets(units[0] if units else brackets[-1])))
     for pattern in _UNIT_BEHIND:
         match = re.fullmatch(pattern, outside)
         # 1 is a unit behind a sign alone: `Force 1` is the first of several
@@ -300,6 +300,7 @@ def score(header: str, unit: str, role: str) -> int:
         stated = (unit if is_remark else written) or written or unit
         stated = stated or ("" if role == "strain" else meanings[0][1])
         fits = dimension in SPELLINGS and bool(stated) and is_unit(stated, dimension)
+        fits = fits and not is_mass(stated)  # a column in N is preferred
         if role in {*POSITIONS, "torque", "moment_arm", "time"} and stated:
             if not fits:  # the unit tells which of them it is
                 continue
@@ -404,6 +405,9 @@ def choose_columns(table: "Table", info: "Sidecar") -> tuple[dict[str, Column], 
     unread = [name for i, name in enumerate(table.header) if name and i not in used]
     columns = {role: column for role, column in columns.items() if role not in constants}
     findings = [column.finding() for column in columns.values()]
+    force = columns.get("force")
+    if force and is_mass(force.unit):
+        findings.append(note("weights", column=force.header, unit=force.unit))
     return columns, findings + [note("unread_columns", names=unread)] * bool(unread)
 
 
@@ -551,10 +555,8 @@ def _complete(
     if not unit and role == "time":
         unit = header if is_unit(header, "time") else "s"
     elif not unit and role in USUAL_UNITS:
-        weights = [unit for word in names if (unit := weight_unit(word, dimension))]
-        if not weights and role == "force" and names & _MASSES:
-            weights = ["kgf", "gf", "N"]
-        best, *alternatives = weights or [USUAL_UNITS[role]]
+        is_mass_name = role == "force" and names & {*words("mass, masse, weight, gewicht")}
+        best, *alternatives = ["kg", "g", "N"] if is_mass_name else [USUAL_UNITS[role]]
         how = f"{where}: no unit: write it with the name, such as `{header} [{best}]`, or give "
         after = f", or {' or '.join(alternatives)}" if alternatives else ""
         raise MissingMetadataError(how, ("units", role, best, after))
@@ -575,12 +577,13 @@ def _complete(
     except ValueError as error:
         # a remark in brackets is no unit of a strain
         if role != "strain" or override is not None or is_unit(unit):
-            raise _wrong_unit(where, role, unit, error) from None
+            raise _wrong_unit(where, role, error) from None
         unit, factor = "", 1.0
-    meaning = header_unit if is_any_unit(header_unit) else weight_unit(header_unit, dimension)
     longer = role in {"strain", "displacement"} and names & _LONGER
     longer = longer and not names & {"compressive", "compression"}
-    replaced = header_unit if override and meaning not in ("", override) else ""
+    replaced = (
+        header_unit if override not in (None, header_unit) and is_any_unit(header_unit) else ""
+    )
     return Column(role, index, header, unit, factor, -1 if longer else 1, replaced, absolute)
 
 
@@ -592,11 +595,8 @@ def _raw_signal(where: str, role: str, unit: str) -> MissingMetadataError:
     return MissingMetadataError(before, choice)
 
 
-def _wrong_unit(where: str, role: str, unit: str, error: ValueError) -> ValueError:
+def _wrong_unit(where: str, role: str, error: ValueError) -> ValueError:
     """The error for a unit of another dimension than its column's."""
-    if best := weight_unit(unit, dimension_of(role)):
-        how = f"{where}: {error}: write `[{best}]` in the header, the weight of that mass, or give "
-        return MissingMetadataError(how, ("units", role, best, ""))
     remedy = "convert its numbers, and write their unit in the header, such as"
     remedy += f" `[{USUAL_UNITS.get(role, '%')}]`; or choose another column"
     return ValueError(f"{where}: {error}: {remedy}.")
@@ -648,10 +648,10 @@ def _missing(table: "Table", role: str, group: Sequence[str], used: set[int]) ->
         is_named = read_header(name)[0][0] in terms
         if role == "length" and is_named and unit and not is_unit(unit):
             error = ValueError(f"{unit!r} is no unit of {role}")
-            return _wrong_unit(table.place(name), role, unit, error)
+            return _wrong_unit(table.place(name), role, error)
         if unit.lower() in SIGNALS:
             signals[name] = unit
-        fits = not unit or is_unit(unit, *dimensions.values()) or weight_unit(unit, group[0])
+        fits = not unit or is_unit(unit, *dimensions.values())
         if fits or (role == "pressure" and absolute_unit(unit)):
             names.setdefault(name, unit)
     if signals and not names:
@@ -704,6 +704,7 @@ def read_name(path: Path, pattern: str, table: str = "") -> dict[str, float]:
     values = {}
     for name, inside, behind, text in zip(names, insides, behinds, match.groups(), strict=True):
         dimension, unit = dimension_of(name), inside or behind
-        number = f"{text.replace(',', '.')} {weight_unit(unit, dimension) or unit}"
+        unit = _WEIGHTS.get(unit, unit) if dimension == "force" else unit
+        number = f"{text.replace(',', '.')} {unit}"
         values[name] = parse(number, dimension, name)
     return values

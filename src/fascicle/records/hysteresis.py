@@ -79,7 +79,14 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         rule = "has no runs at constant pressure or length to average"
         raise InvalidInputError("record", rule, None)
     pieces, widths, isometric, loops = [], [], list[bool](), 0
-    for level in group_by_level(record, segments):
+    # a loop begins and ends in one file: another one may have other zeros
+    files = np.zeros(len(record), int) if record.file is None else record.file
+    levels = [
+        [run for run in level if files[run.points[0]] == file]
+        for level in group_by_level(record, segments)
+        for file in dict.fromkeys(files[run.points[0]] for run in level)
+    ]
+    for level in levels:
         branches = {side: [run for run in level if run.branch == side] for side in (UP, DOWN)}
         loop = _half_way(record, branches, points) if all(branches.values()) else None
         loops += loop is not None

@@ -45,6 +45,7 @@ _RISING = 0.5  # correlation of force and contraction: any muscle's is near -1, 
 _ODD = 0.05  # of the readings: fewer beyond any muscle's are no wrong unit, but marks of errors
 _ODD_REMEDY = "far beyond all other readings: if it marks an error, empty the cell"
 _OUTLIER = 10.0  # times any other force: no muscle's largest readings differ by that
+_REPEATS = 3  # readings of each load of a set
 _AT_REST = 0.02  # contraction: any muscle under pressure still pulls there
 
 # names of the two ways of a loop
@@ -96,6 +97,11 @@ class Readings:
     def pull(self) -> Column:
         """Which column holds the forces, else the torques: header, unit and sign."""
         return self.columns["force" if "force" in self.columns else "torque"]
+
+    @property
+    def _has_set_loads(self) -> bool:
+        """True for masses that hung, or none: a load cell rarely reads a force three times."""
+        return bool(np.min(np.unique(self.force, return_counts=True)[1]) >= _REPEATS)
 
     def raw(self, role: str) -> np.ndarray:
         """Cells of a role, in the unit of its column."""
@@ -293,7 +299,7 @@ class Readings:
         if ends[0] < _STRETCHED:
             count = int(np.count_nonzero(strain < _STRETCHED))
             self._warn("stretched", count=count, lowest=float(ends[0]))
-        elif ends[0] > _FAR and may_be_shifted:
+        elif ends[0] > _FAR and may_be_shifted and not self._has_set_loads:
             self._warn("displaced", nearest=f"{raw[least]:.6g} {column.unit}")
 
     def _check_lengths(self, lengths: np.ndarray) -> None:
@@ -370,11 +376,20 @@ class Readings:
         """Doubt a lowest pressure that may be the atmosphere; refuse one without a pull."""
         column, low, force = self.columns["pressure"], float(np.min(self.pressure)), self.force
         is_gauge = column.absolute or is_gauge_unit(column.unit)
+        is_gauge = is_gauge or self.info.pressure_at_rest is not None
         if is_gauge or not (90e3 < low < 110e3 and np.max(self.pressure) > 1.5 * low):
             return
-        at_rest = (self.pressure < 1.05 * low) & (np.abs(self.strain) < _AT_REST)
+        lowest, at_rest = self.pressure < 1.05 * low, np.abs(self.strain) < _AT_REST
+        pulls = force >= _STEADY * np.max(force)
+        # without pressure a muscle neither contracts under its load nor pulls at rest; a mass that
+        # hangs from it at rest shows nothing
+        if np.any(lowest & pulls & (self.strain > _AT_REST)):
+            return
+        first, later = force[lowest & at_rest], force[~lowest & at_rest]
+        if np.any(lowest & at_rest & pulls) and later.size and first.max() < later.max():
+            return
         text = f"{low / 1e3:.4g} kPa"
-        if np.any(at_rest) and np.max(np.abs(force[at_rest])) < _STEADY * np.max(force):
+        if first.size and np.max(np.abs(first)) < _STEADY * np.max(force):
             rule = f"at {text}, its lowest pressure, the muscle doesn't pull at rest: if that is"
             gauge = ("units", "pressure", f"{column.unit} (g)", ", if it is gauge")
             choices = (("atmosphere", "", text, ""), gauge)
@@ -389,9 +404,10 @@ class Readings:
             censored = self._meanings("clipped", _FLAGS, "0 or 1").astype(bool)
         censored = censored | (is_zero & bool(clipped_at_zero))
         count, zeros = int(np.count_nonzero(censored)), int(np.count_nonzero(is_zero))
+        is_stated = "clipped" in self.columns or clipped_at_zero is not None
         if count:
             self._warn("clipped", count=count, readings=is_zero.size)
-        elif zeros > 2 and "clipped" not in self.columns and clipped_at_zero is None:
+        elif zeros > 2 and not (is_stated or self._has_set_loads):
             self._warn("zero_forces", count=zeros)
         return censored
 
@@ -399,7 +415,10 @@ class Readings:
         """Branch of each reading, unknown without a column."""
         if "branch" not in self.columns:
             return np.full(self.force.size, UNKNOWN, dtype=np.int8)
-        return self._meanings("branch", BRANCHES, "up or down").astype(np.int8)
+        values = self._meanings("branch", BRANCHES, "up or down").astype(np.int8)
+        # of a valve or a flag: 1 one way, 0 the other
+        is_flag = {*self.cells["branch"]} in ({"0", "1"}, {"0.0", "1.0"})
+        return np.where(values == UNKNOWN, np.int8(DOWN), values) if is_flag else values
 
     def _meanings(self, role: str, meanings: Mapping[str, int], rule: str) -> np.ndarray:
         """Meaning of the text in each cell of a column; the error for an unknown one: `rule`."""

@@ -207,7 +207,9 @@ def dumps(record: Record) -> str:
     columns = {"pressure [Pa]": record.pressure, "strain [-]": record.strain}
     columns |= {"force [N]": record.force, "time [s]": record.time}
     columns |= {"moment arm [m]": record.moment_arm}
-    columns |= {"branch": record.branch if record.branch.any() else None}
+    # an unknown one is blank: 0 beside 1 would be the other way
+    branches = np.where(record.branch == UNKNOWN, "", record.branch.astype(str))
+    columns |= {"branch": branches if record.branch.any() else None}
     columns |= {"clipped": record.censored.astype(int) if record.censored.any() else None}
     columns = {name: values.tolist() for name, values in columns.items() if values is not None}
     remarks = []
@@ -218,6 +220,6 @@ def dumps(record: Record) -> str:
     remarks += [("source", f"{source.name} sha256 {source.sha256}") for source in record.sources]
     remarks += [("note", note) for note in record.notes]
     lines = [f"# {key}: {' '.join(value.split())}" for key, value in remarks]
-    # repr is the shortest text that reads back to the same float
-    rows = zip(*(map(repr, values) for values in columns.values()), strict=True)
+    # the shortest text that reads back to the same float
+    rows = zip(*(map(str, values) for values in columns.values()), strict=True)
     return "\n".join([*lines, ",".join(columns), *map(",".join, rows), ""])

@@ -72,9 +72,12 @@ def runs(record: Record) -> tuple[Run, ...]:
     if not len(record):
         return ()
     stretches, ordered = _find_stretches(record, ("pressure", "strain"))
-    if _count_readings(stretches) < _ORDERED * len(record):
+    is_explained = _count_readings(stretches) >= _ORDERED * len(record)
+    if not (ordered and is_explained):
         isotonic, in_order = _find_stretches(record, ("force",))
-        if _count_readings(isotonic) >= _SORTED * len(record):
+        # masses of a set, each at the same pressures, are levels of pressure in no order, too
+        is_better = in_order or not is_explained
+        if is_better and _count_readings(isotonic) >= _SORTED * len(record):
             stretches, ordered = isotonic, in_order
     segments = [branch for run in stretches for branch in _split_branches(record, run, ordered)]
     if len(record) >= _LONG_RECORD and segments:

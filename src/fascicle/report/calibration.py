@@ -166,7 +166,7 @@ def summary(result: CalibrationResult) -> dict[str, Any]:
         "synthetic": fit.record.synthetic,
         "method": fit.method,
         "noise": float(fit.problem.noise),
-        "findings": [finding.to_json() for finding in calibration_findings(fit)],
+        "findings": [x.to_json() for x in (*fit.record.findings, *calibration_findings(fit))],
         "warnings": words.warning_lines(fit),
         "notes": record_lines(fit.record),
         "starts": words.search_lines(fit.solutions),

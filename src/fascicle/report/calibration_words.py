@@ -58,7 +58,7 @@ _FITS = {
     "not converged": "the search did not converge: do not use these constants",
     "untested": "too few readings to judge the fit",
     "noise": "good fit: the residuals look like noise",
-    "other sizes": "good fit, but only with sizes that are not this muscle's",
+    "other sizes": "good fit, with fitted sizes that differ from the given ones",
     "well": "good fit: the errors are small but systematic",
     "roughly": "rough fit: errors of {}",
     "poorly": "bad fit: errors of {}; a law, a size or a gauge is wrong",
@@ -538,8 +538,8 @@ def _other_size(data: Data) -> str:
     value, nominal = (pretty(data[key], data["dimension"], 3) for key in ("value", "nominal"))
     return (
         f"{data['constant']} is {value}, given as {nominal}, and its whole interval is more than"
-        f" {100 * CALIPERS:g} % off: it compensates for an error of the law or of the gauge and is"
-        " no measured size."
+        f" {100 * CALIPERS:g} % off: it is the law's effective size, with the errors of law, gauges"
+        " and record in it. The given size may well be right."
     )
 
 
@@ -638,7 +638,7 @@ _CATALOGUE: dict[str, tuple[int, Part, Part]] = {
     "use.damping_unknown": (9, _damping_unknown, "measure each pressure at two speeds or more"),
     "use.fitted_length": (9, _fitted_length, ""),
     "use.other_size": (
-        2, _other_size, lambda data: "check the muscle's {}: fitted {}, given {}".format(
-            data["constant"],
-            *(pretty(data[key], data["dimension"], 3) for key in ("value", "nominal")))),
+        2, _other_size, lambda data: "use {} (given {}) as this law's {}, not as a measured"
+        " size".format(*(pretty(data[key], data["dimension"], 3) for key in ("value", "nominal")),
+                       data["constant"])),
 }  # fmt: skip

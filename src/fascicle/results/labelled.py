@@ -96,18 +96,22 @@ def to_csv(variables: Mapping[str, Variable]) -> str:
 
 
 def write(
-    variables: Mapping[str, Variable], path: str | os.PathLike[str], **attributes: str
+    variables: Mapping[str, Variable],
+    path: str | os.PathLike[str],
+    findings: Sequence[Mapping[str, Any]] | None = None,
+    **attributes: str,
 ) -> None:
     """Write variables, completely or not at all, in the format of the file's suffix.
 
-    `path` ends in `.nc`, `.csv` or `.json`; an existing file is replaced. `attributes`: as
-    for `dataset`. Raises `ValueError` for another suffix, `OSError` if it can't be written.
+    `path` ends in `.nc`, `.csv` or `.json`; an existing file is replaced. `findings`: for
+    JSON; `attributes`: as for `dataset`. Raises `ValueError` for another suffix, `OSError` if it
+    can't be written.
     """
     suffix = check_result_path(path).suffix.lower()
     fill: Mapping[str, Callable[[Path], object]] = {
         ".nc": lambda draft: write_netcdf(dataset(variables, **attributes), draft),
         ".csv": lambda draft: draft.write_text(to_csv(variables), encoding="utf-8"),
-        ".json": lambda draft: draft.write_text(to_json(variables) + "\n", encoding="utf-8"),
+        ".json": lambda draft: draft.write_text(f"{to_json(variables, findings)}\n", "utf-8"),
     }
     write_whole(path, fill[suffix])
 

@@ -42,6 +42,27 @@ def test_spellings(dimension):
         assert unit_factor(unit, dimension) == pytest.approx(si, rel=rel), unit
 
 
+@pytest.mark.parametrize(
+    ("code", "rows", "is_doubtful"),
+    [
+        # it pulls at rest, more so at a higher pressure; contracts under a load, or without any
+        ("atmosphere", "98.9,40,200\n98.9,20,190\n300,90,200", False),
+        ("atmosphere", "98.9,20,190\n98.9,15,185\n300,60,190", False),
+        ("atmosphere", "98.9,0,180\n300,0,160", False),
+        # a mass that hangs at rest shows nothing, nor does a slack muscle
+        ("atmosphere", "98.9,20,200\n300,20,160", True),
+        ("atmosphere", "98.9,0,180\n300,60,180", True),
+        # no load at all, and masses of a set, are no clipping
+        ("zero_forces", "100,0,190\n200,0,180\n300,0,170", False),
+        ("zero_forces", "200,0,190\n200,5,185\n200,9,180\n" * 3, False),
+        ("zero_forces", "200,0,160\n" * 3 + "200,50,190", True),
+    ],
+)
+def test_doubts_are_raised_where_the_readings_leave_them(code, rows, is_doubtful):
+    codes = [x.code for x in loads(table(values=rows), rest_length=0.2).findings]
+    assert (f"record.{code}" in codes) == is_doubtful
+
+
 def test_a_hint_is_left_out_where_it_is_not_known():
     for tables, hint in (
         ({"position": "strain", "values": "200,50,12"}, "%"), ({"pressure": "P [bar]"}, "kPa"),

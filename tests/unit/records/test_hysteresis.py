@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fascicle.core.errors import InvalidInputError
-from fascicle.records import Record, averaged, loop_of
+from fascicle.records import Record, averaged, join, loop_of
 
 
 WIDTH = 6.0  # N, between the branches
@@ -68,6 +68,14 @@ def test_one_branch_is_kept_as_it_is():
     assert_array_equal(single.force, record.force[60:90])
     assert np.isnan(half.width[half.record.pressure == 2e5]).all()
     assert half.record.findings[-1].data == {"loops": 1, "levels": 2}
+
+
+def test_branches_of_two_files_are_no_loop():
+    P, strain = np.array([1e5, 3e5])[:, None], np.linspace(0, 0.2, 40)
+    one_way = [Record.of(P, strain, 100 - 300 * strain - b, branch=b) for b in (1, -1)]
+    both_ways = Record.of(P, np.tile(strain, 2), 9.0 + np.zeros(80), branch=np.repeat([1, -1], 40))
+    assert loop_of(join(one_way)) is None
+    assert loop_of(join([*one_way, both_ways])).pressure.size == 2
 
 
 def test_what_it_refuses():

@@ -140,6 +140,13 @@ def test_the_same_level_again_is_another_run():
     assert [run.level for run in sweeps] == [1e5, 1e5, 2e5, 2e5, 1e5, 1e5]
 
 
+def test_masses_of_a_set_are_loads_though_each_was_at_the_same_pressures():
+    pressures = [1e5, 2e5, 3e5, 4e5, 3e5, 2e5, 1e5]
+    force, pressure = (x.ravel() for x in np.meshgrid([5.0, 20.0, 50.0], pressures, indexing="ij"))
+    record = Record.of(pressure, pressure * 6e-7 - force * 1e-3, force)
+    assert [(run.kind, run.branch) for run in runs(record)] == [("force", 1), ("force", -1)] * 3
+
+
 def test_one_held_length_with_a_rulers_noise_has_two_branches():
     rng = np.random.default_rng(1)
     P = np.append(np.linspace(0, 4e5, 41), np.linspace(4e5, 0, 41)[1:])
