@@ -16,6 +16,7 @@ import numpy as np
 
 from .. import __version__
 from ..bundle import Bundle
+from ..bundle.reversal import free_strain_curve, reversal
 from ..core.errors import InvalidInputError, require
 from ..core.types import Numbers
 from ..core.validation import HIGHEST_PRESSURE
@@ -34,7 +35,8 @@ FOLDER = Path(__file__).with_name("page")
 _SCRIPTS = ("table.js", "page.js")
 _MOST_UNITS, _MOST_MUSCLES = 8, 60  # as in the explorer: more can't be told apart
 _MOST_CURVES = 12  # as the page's own field allows
-_START = 1 / 3, 0.1  # pressure at first, over the highest, but of a first of several units; strain
+_START = 1 / 3, 0.1  # pressure at first, over the highest, and strain
+_POINTS = 97  # of the free strain over the second unit's pressure
 
 
 def page_text(
@@ -49,12 +51,20 @@ def page_text(
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
+    from ..plot.curves import split_at_reversal
     from ..plot.theme import DARK, LIGHT, SANS, css
 
     bundle = concrete_bundle(target)
     values = _page_values(bundle, title, pressures)
     theme = {"light": _theme(LIGHT), "dark": _theme(DARK)}
-    data = values.pop("data") | {"theme": theme, "font": SANS}
+    data = values.pop("data") | {"theme": theme, "font": SANS, "reversal": None}
+    if len(bundle.motor_units) > 1:
+        first, second = data["highest"], np.linspace(0.0, data["highest"], _POINTS)
+        turn = reversal(bundle, 2, first)
+        strains = free_strain_curve(bundle, 2, second, first)
+        curve, jump = map(_line_data, split_at_reversal(second, strains, turn))
+        turn_data = {"turn": [turn.pressure, turn.free_strain], "jump": jump}
+        data["reversal"] = curve | turn_data
     options = {"undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
     environment = Environment(loader=FileSystemLoader(FOLDER), autoescape=True, **options)
     script = "\n".join((FOLDER / name).read_text(encoding="utf-8") for name in _SCRIPTS)
@@ -100,7 +110,8 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
     largest = tables.strains[1]
     is_bundle, first = count > 1, units[0].muscle
     laws = f"{first.tension.name}, {first.buckling.name}"
-    start = [highest] * (len(units) > 1) + [float(f"{_START[0] * highest:.2g}")] * len(units)
+    pressure = float(f"{_START[0] * highest:.2g}")
+    start = [highest, pressure] + [0.0] * len(units) if len(units) > 1 else [pressure]
     return {
         "title": title,
         "lead": f"{f'Bundle of {count} muscles' if is_bundle else 'Muscle'}; laws: {laws}.",
@@ -127,6 +138,13 @@ def _page_values(bundle: Bundle, title: str, pressures: Sequence[float]) -> dict
             "curves": curves,
         },
     }
+
+
+def _line_data(line: tuple[np.ndarray, np.ndarray]) -> dict[str, list[float | None]]:
+    """Pressures [kPa] and strains [-] of a line for the page's scripts, null in its gaps."""
+    pressure, strain = line
+    y = [float(value) if np.isfinite(value) else None for value in strain]
+    return {"x": (pressure / 1e3).tolist(), "y": y}
 
 
 def _table_data(table: MuscleTable) -> dict[str, object]:

@@ -4,6 +4,7 @@ const DATA = JSON.parse(document.getElementById("data").textContent);
 const KPA = 1e3, MM = 1e-3;
 const POINTS = 161;  // of a curve
 const REVERSAL_POINTS = 97;
+const JUMP = 1e-4;  // of strain: far more than a smooth curve rises in a pascal
 const SLICE = 6;  // ms of a frame that a long curve may take
 const $ = id => document.getElementById(id);
 const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -72,7 +73,7 @@ class Chart {
 
   begin(xRange, yRange) {
     const [context, width, height] = canvasContext(this.canvas), colors = theme();
-    Object.assign(this, {context, xRange, yRange, labels: [], taken: []});
+    Object.assign(this, {context, xRange, yRange, labels: [], taken: [], drawn: []});
     context.font = `13px ${DATA.font}`;
     const yTicks = ticks(...yRange, 6), xTicks = ticks(...xRange, width < 500 ? 4 : 8);
     const wide = Math.max(...yTicks.map(tick => context.measureText(String(tick)).width));
@@ -133,8 +134,12 @@ class Chart {
     context.strokeStyle = color; context.lineWidth = width; context.setLineDash(dash);
     context.lineJoin = "round";
     context.beginPath();
-    curve.x.forEach((x, i) => {
-      if (Number.isFinite(curve.y[i])) context.lineTo(this.x(x), this.y(curve.y[i]));
+    curve.x.forEach((x, i) => {  // with gaps where it has no value
+      if (!Number.isFinite(curve.y[i])) return;
+      const draw = Number.isFinite(curve.y[i - 1]) ? "lineTo" : "moveTo";
+      const place = [this.x(x), this.y(curve.y[i])];
+      context[draw](...place);
+      this.drawn.push(place);
     });
     context.stroke();
     context.restore();
@@ -151,14 +156,14 @@ class Chart {
     if (!text) return;
     const wide = context.measureText(text).width;
     // above the mark or below, to its right or left
-    this.labels.push([text, [14, -16, 30, 46, 62, 78, 94].flatMap(up =>
+    this.labels.push([text, [14, -16, 30, -32, 46, -48, 62, 78, 94].flatMap(up =>
       [[a + 9, b - up], [a - 9 - wide, b - up]]), [a, b]]);
   }
 
   label(text, a, b) { this.labels.push([text, [[a, b]], null]); }
 
-  // Write the labels, in order, each at the first of its places that is free, else it is left out;
-  // a line leads from it to its mark, unless it is right above.
+  // Write the labels, in order, each at that of its free places that the fewest points of curves are
+  // behind, else it is left out; a line leads from it to its mark, unless it is right above.
   writeLabels() {
     const {context} = this, [left, top, right, bottom] = this.box;
     context.textAlign = "left"; context.textBaseline = "middle";
@@ -166,9 +171,12 @@ class Chart {
     for (const [text, places, mark] of this.labels) {
       const wide = context.measureText(text).width;
       const boxes = places.map(([a, b]) => [a - 2, b - 7, a + wide + 2, b + 7]);
-      const free = boxes.findIndex(box => box[0] > left && box[1] > top - 8 && box[2] < right + 10 && box[3] <= bottom
-        && !this.taken.some(x => x[0] < box[2] && box[0] < x[2] && x[1] < box[3] && box[1] < x[3]));
-      if (free < 0) continue;
+      const isFree = box => box[0] > left && box[1] > top - 8 && box[2] < right + 10 && box[3] <= bottom
+        && !this.taken.some(x => x[0] < box[2] && box[0] < x[2] && x[1] < box[3] && box[1] < x[3]);
+      const covered = boxes.map(box => isFree(box) ? this.drawn.filter(([x, y]) =>
+        box[0] < x && x < box[2] && box[1] < y && y < box[3]).length : Infinity);
+      const fewest = Math.min(...covered), free = covered.indexOf(fewest);
+      if (fewest === Infinity) continue;
       this.taken.push(boxes[free]);
       if (mark && free > 0) {
         const [box0, box1, box2, box3] = boxes[free];
@@ -242,10 +250,11 @@ function drawForce(shown) {
 
 // ---- the reversal: a curve that is computed in slices, so that no frame waits for it
 
-let reversal = null;
 function reversalKey() {
   return JSON.stringify(view.pressures.filter((_, i) => i !== 1));
 }
+
+let reversal = DATA.reversal && {...DATA.reversal, key: reversalKey()};  // the library's, at first
 
 function* reversalSteps(key) {
   const curve = {key, x: [], y: [], done: false};
@@ -267,19 +276,24 @@ function* reversalSteps(key) {
     curve.turn = [at[least], values[least]];
     [low, high] = [at[Math.max(least - 1, 0)], at[Math.min(least + 1, 16)]];
   }
-  // a jump falls between two pressures that are next to one another
-  const before = freeAt(low), depth = curve.y[0] - curve.turn[1];
-  const split = curve.x.findIndex(x => x * KPA >= curve.turn[0]);
-  const [left, right] = [[0, split], [split]].map(range =>
-    ({x: curve.x.slice(...range), y: curve.y.slice(...range)}));
-  const turn = [curve.turn[0] / KPA, curve.turn[1]];
-  curve.parts = [curve];
-  if (depth > 0 && before - turn[1] > 0.5 * depth) {
-    left.x.push(low / KPA); left.y.push(before);
-    right.x.unshift(turn[0]); right.y.unshift(turn[1]);
-    curve.parts = [left, right];
-    curve.jump = {x: [low / KPA, turn[0]], y: [before, turn[1]]};
+  // the steepest step, halved until it is less than a pascal wide, is a jump if it is one still
+  const points = curve.x.map((x, i) => [x * KPA, curve.y[i]]);
+  const fall = i => Math.abs(curve.y[i + 1] - curve.y[i]) || 0;
+  const steepest = curve.x.reduce((best, _, i) => fall(i) > fall(best) ? i : best, 0);
+  let [before, after] = points.slice(steepest, steepest + 2);
+  for (let halving = 0; halving < 15; halving++) {
+    const pressure = (before[0] + after[0]) / 2, middle = [pressure, freeAt(pressure)];
+    if (Math.abs(middle[1] - before[1]) > Math.abs(after[1] - middle[1])) after = middle;
+    else before = middle;
+    yield curve;
   }
+  const jump = Math.abs(after[1] - before[1]) > JUMP ? [before, after] : [];
+  if (jump.length) points.push(before, [before[0], NaN], after);
+  const [turn] = curve.turn;
+  if (!jump.length || turn < before[0] || turn > after[0]) points.push(curve.turn);
+  points.sort(([a], [b]) => a - b);
+  const line = part => ({x: part.map(([x]) => x / KPA), y: part.map(([, free]) => free)});
+  Object.assign(curve, line(points), {jump: line(jump)});
   curve.done = true;
   yield curve;
 }
@@ -300,8 +314,8 @@ function drawReversal(shown) {
   const [low, high] = [Math.min(...values), Math.max(...values)], pad = 0.08 * (high - low) || 0.01;
   reversalChart.begin([0, DATA.highest / KPA], [Math.max(low - pad, 0), high + pad]);
   const color = reversal.key === key ? colors.ink : colors.edge;
-  for (const part of reversal.parts) reversalChart.line(part, color, 2.6);
-  if (reversal.jump) reversalChart.line(reversal.jump, color, 2, [2, 3]);
+  reversalChart.line(reversal, color, 2.6);
+  reversalChart.line(reversal.jump, color, 2, [2, 3]);
   const [turn, free] = reversal.turn, depth = reversal.y[0] - free;
   const turns = depth > 1e-12;  // as in the library: rounding of two roots
   $("turn").textContent = turns
