@@ -4,7 +4,7 @@ name a record beside it, readings whose license allows it.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from functools import cache, cached_property
+from functools import cached_property
 from importlib.resources import as_file, files
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -178,7 +178,7 @@ class MuscleCatalog(Mapping[str, CatalogEntry]):
     """Measured muscles by name. An unknown name gives an `InvalidInputError` with a similar one."""
 
     def __getitem__(self, name: str) -> CatalogEntry:
-        return _shipped_entry(check_choice(name, self, "name"))
+        return read_entry(shipped_text(_FOLDER, check_choice(name, self, "name")), name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(shipped_names(_FOLDER))
@@ -198,11 +198,6 @@ class MuscleCatalog(Mapping[str, CatalogEntry]):
 
 
 catalog = MuscleCatalog()
-
-
-@cache
-def _shipped_entry(name: str) -> CatalogEntry:
-    return read_entry(shipped_text(_FOLDER, name), name)
 
 
 def read_entry(text: str, name: str) -> CatalogEntry:

@@ -1,7 +1,6 @@
 """Efficiency that a bundle loses to the resistance of inactive muscles, as maps on one grid."""
 
 from dataclasses import replace
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -40,7 +39,6 @@ class Maps(NamedTuple):
         return replace(self.resisted, efficiency=np.where(empty, np.nan, values))
 
 
-@lru_cache(maxsize=16)  # visitors of the explorer share it
 def efficiency_maps(bundle: Bundle, path: str) -> Maps:
     """Efficiency maps on a `path`, "isobaric" or "isotonic"."""
     resisted = efficiency_map(bundle, path=path, resistance=True)

@@ -7,7 +7,6 @@ frame of all pages.
 
 import base64
 from collections.abc import Mapping, Sequence
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -59,7 +58,6 @@ def render(template: str, folder: Path = _TEMPLATES, **values: Any) -> str:
     return escape_invisible(_environment(folder).get_template(template).render(frame | values))
 
 
-@cache
 def _environment(folder: Path) -> Environment:
     environment = Environment(
         loader=FileSystemLoader([folder, _TEMPLATES]),
