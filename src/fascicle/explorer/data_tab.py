@@ -1,8 +1,7 @@
 """Tab of measured data: records within limits, the muscle's curves, and the muscle fitted to it."""
 
 import datetime as dt
-import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import ClassVar, NamedTuple
 
@@ -11,14 +10,14 @@ import panel as pn
 
 from ..calibrate import Selection
 from ..calibrate.data import assign_levels
-from ..calibrate.parameters import parameters_of
+from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, check_positive
 from ..files.calibration_files import calibrated_files
 from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain
 from ..plot.theme import Colors
 from ..records import loads
-from ..records.headers import MissingMetadataError
+from ..records.headers import USUAL_UNITS, MissingMetadataError, dimension_of, is_unit
 from ..records.record import Record
 from ..report import calibration_words as words
 from ..report.calibration import CalibrationResult, report
@@ -29,7 +28,7 @@ from ..units import pretty
 from . import widgets as ui
 from .chart import Chart, padded_range, pressure_colors, screen_height
 from .state import Session, View, view_of
-from .tab import WAITING, Export, LatestResult, Progress, Tab, output_stem
+from .tab import WAITING, Export, Job, LatestResult, Tab, output_stem
 from .texts import TEXTS
 
 
@@ -37,7 +36,7 @@ LARGEST_FILE = 5_000_000  # bytes: a record of the most rows
 MOST_ROWS = 100_000  # a fit to more takes minutes
 MOST_CURVES, MOST_POINTS = 100, 4_000  # that are drawn: a browser draws them at once
 STARTS = 2  # starting points of a fit: few, so that it doesn't take long
-AUTOMATIC, TUNING = "automatic", "tuning"  # instead of names of constants to fit
+AUTOMATIC, TUNING = "automatic", "tuning"  # kinds of a fit
 _POINTS = 121  # along a curve
 _PRESSURES = (0.0, 1e5, 2e5, 3e5, 4e5)  # Pa, of the example record
 _TAIL = 0.02  # of the largest force: above it a muscle still pulls
@@ -48,10 +47,10 @@ _EXAMPLE = "example.csv"
 RECORD_SUFFIXES = ".csv,.txt,.tsv,.dat,.lvm,.xlsx,.mat"
 _MOST_LABELS = 8  # more would collide
 _MOST_NOTES = 12  # of a record
+_TITLES = {"columns": "Column", "units": "Unit"}  # of fields of these arguments
 _ROLES = ("pressure", "force", "strain", "displacement", "length")  # of columns that have fields
-_BY_NAME = "constants of your choice"
 # as measured with 300 and 5000 readings on two cores
-_DURATIONS = {AUTOMATIC: "20 to 40 s", TUNING: "10 s", _BY_NAME: "a few seconds"}
+_DURATIONS = {AUTOMATIC: "20 to 40 s", TUNING: "10 s"}
 
 
 class ModelCurves(NamedTuple):
@@ -76,8 +75,6 @@ def read_record(
     length = float(muscle.length)
     try:
         record = loads(raw, name, default_length=length, **dict(options or {}))
-    except MissingMetadataError as error:
-        raise ValueError(error.message(_in_page_words)) from None
     except ImportError as error:
         raise ValueError(f"{name}: {error}") from None
     if len(record) > MOST_ROWS:
@@ -94,10 +91,9 @@ def read_record(
 
 def _in_page_words(argument: str, role: str, value: str) -> str:
     """An argument of the reader as the page has it."""
-    fields = {"columns": "Column", "units": "Unit"}
-    if not role or argument not in fields:
+    if role not in _ROLES or argument not in _TITLES:
         return "`fascicle calibrate`, which takes more"
-    return f"the field {fields[argument]} of {role}" + f", `{value}` for instance" * bool(value)
+    return f"the field {_TITLES[argument]} of {role}" + f", `{value}` for instance" * bool(value)
 
 
 def example_record(muscle: Muscle) -> bytes:
@@ -147,64 +143,83 @@ def fit_record(
     record: Record,
     muscle: Muscle,
     progress: Callable[[str], object],
-    names: Sequence[str] = (AUTOMATIC,),
+    kind: str = AUTOMATIC,
 ) -> Selection:
-    """Model selected for a `record`: the best of all (`AUTOMATIC`), or a fit of the laws' `TUNING`
-    or of constants by their `names`; `progress` takes each step.
+    """Model selected for a `record`: the best of all (`AUTOMATIC`), or a fit of the laws' `TUNING`;
+    `progress` takes each step.
     """
     from ..calibrate.fitting import fit
     from ..calibrate.model_selection import select_model
 
-    if tuple(names) == (AUTOMATIC,):
+    if kind == AUTOMATIC:
         return select_model(record, muscle, starts=STARTS, progress=progress)
     progress("fitting")
-    free = None if tuple(names) == (TUNING,) else list(names)
-    return Selection(fit(record, muscle, free, starts=STARTS, whole=False))
+    return Selection(fit(record, muscle, starts=STARTS, whole=False))
 
 
 class RecordInputs:
     """Fields for information that a record's file lacks; a `change` reads it again."""
 
-    def __init__(self, change: Callable[[object], None]):
+    def __init__(self, change: Callable[[], None]):
         label, self._change = "Rest length, if the record doesn't have it", change
-        set_length = self._set_length
-        self.length = ui.Field(label, "rest_length", "length", set_length, optional=True)
+        self._options: dict[str, dict[str, str]] = {"columns": {}, "units": {}}
+        self.length = ui.Field(label, "rest_length", "length", self._set_length, optional=True)
         self._length: float | None = None
         label = "A force of exactly 0 means 0 or less"
-        self.clipped = ui.widget(pn.widgets.Checkbox, label, change, margin=(6, 8))
-        self.columns, self.units = (
-            {role: ui.widget(pn.widgets.TextInput, f"{kind} of {role}", change) for role in _ROLES}
-            for kind in ("Column", "Unit")
-        )
-        pairs = [w for role in _ROLES for w in (self.columns[role], self.units[role])]
-        fields = ui.fold("Columns and units", ui.column(*pairs, kind="pairs"))
-        self.panel = ui.column(*self.length.widgets, self.clipped, fields)
+        style = {"margin": (6, 8)}
+        self.clipped = ui.widget(pn.widgets.Checkbox, label, lambda _: change(), **style)
+        self.fields = {
+            (kind, role): ui.Field(
+                f"{_TITLES[kind]} of {role}", role, "", partial(self._set_text, kind, role)
+            )
+            for role in _ROLES
+            for kind in self._options
+        }
+        cells = [ui.column(*field.widgets) for field in self.fields.values()]
+        fold = ui.fold("Columns and units", ui.column(*cells, kind="pairs"))
+        self._toggle = fold[0]
+        self.panel = ui.column(*self.length.widgets, self.clipped, fold)
 
     def show(self, view: View) -> None:
         self.length.show(self._length, view.display_units["length"])
 
-    def _set_length(self, value: float | None) -> None:
-        self._length = None if value is None else float(check_positive(value, "rest_length", "m"))
-        self._change(value)
+    def show_error(self, error: MissingMetadataError) -> bool:
+        """Show an `error` of reading at the field that it names; False where there is none."""
+        field = self.fields.get((error.argument, error.role))
+        if field is not None:
+            self._toggle.value = True
+            field.show_error(error.message(_in_page_words))
+        return field is not None
+
+    def clear_errors(self) -> None:
+        for field in self.fields.values():
+            field.show_error("")
 
     def options(self) -> dict[str, object]:
         """Arguments of `records.load`."""
-        options = {
-            "columns": {r: w.value.strip() for r, w in self.columns.items() if w.value.strip()},
-            "units": {r: w.value.strip() for r, w in self.units.items() if w.value.strip()},
-            "rest_length": self._length,
-            "clipped_at_zero": self.clipped.value,
-        }
-        return {name: value for name, value in options.items() if value}
+        options = {"rest_length": self._length, "clipped_at_zero": self.clipped.value}
+        return {name: value for name, value in (options | self._options).items() if value}
+
+    def _set_length(self, value: float | None) -> None:
+        self._length = None if value is None else float(check_positive(value, "rest_length", "m"))
+        self._change()
+
+    def _set_text(self, kind: str, role: str, text: str) -> None:
+        """Set the column or the unit of a role, or clear it; `ValueError` for no unit of it."""
+        if text and kind == "units" and not is_unit(text, dimension_of(role)):
+            gauge, usual = " (gauge)" * (role == "pressure"), USUAL_UNITS.get(role, "%")
+            raise InvalidInputError(role, f"must be a unit{gauge}, such as {usual}", text)
+        options = {name: value for name, value in self._options[kind].items() if name != role}
+        self._options[kind] = options | ({role: text} if text else {})
+        self._change()
 
 
 class FitResult(NamedTuple):
-    """Result of a fit to a `record`, with its report and the tuned muscle's file."""
+    """Result of a fit, with its report and the tuned muscle's file."""
 
     selection: Selection
     report: str
     toml: str
-    record: Record
 
 
 class DataView(Tab):
@@ -218,15 +233,13 @@ class DataView(Tab):
         self.record: Record | None = None
         self.fit: FitResult | None = None
         self._raw, self.file_name = b"", ""  # of the record that was opened last
-        self._cancelled = threading.Event()
         self._add_widgets()
         self._add_chart()
         self._curves = LatestResult(self._show_curves, self.message.show, self.is_open)
         # a file's reader may take a minute, in another process
-        self._reads = LatestResult(self._show_record, self.fail, self.is_open, WAITING)
-        self._fits = LatestResult(self._show_fit, self._fail_fit, self.is_open)
+        self._reads = LatestResult(self._show_record, self._fail_read, self.is_open, WAITING)
         inputs = (self.file, self._other_example, self.message.pane, self.read_inputs.panel)
-        fit = (self.kind, self.constants, self.calibrate, self.cancel, self.progress.bar)
+        fit = (self.kind, self.job.run, self.job.cancel, self.job.bar)
         results = (self.status, self.table, self.use, ui.row(*self.saves, kind=""), self.fit_notes)
         left = ui.side_column(*inputs, *fit, *results, self.notes, width=420)
         text = TEXTS["data"]["empty"].format(rows=MOST_ROWS) + TEXTS["data"]["form"]
@@ -240,23 +253,12 @@ class DataView(Tab):
         label, wide = "Try an example record (synthetic)", {"sizing_mode": "stretch_width"}
         self._example = ui.button(label, self.open_example, color="primary", **wide)
         self._other_example = ui.button(label, self.open_example, visible=False, **wide)
-        self.read_inputs = RecordInputs(lambda _: self._read())
-        kinds = {
-            "what the data determine": AUTOMATIC,
-            "the paper's tuning": TUNING,
-            _BY_NAME: _BY_NAME,
-        }
-        self.constants = ui.widget(
-            pn.widgets.MultiSelect, "Constants", size=6, visible=False, css_classes=["several"]
-        )
-        self.kind = ui.dropdown(
-            "What to fit", kinds, lambda kind: self.constants.param.update(visible=kind == _BY_NAME)
-        )
-        wide |= {"margin": (6, 8), "disabled": True}
-        self.calibrate = ui.button("Calibrate the muscle", self.start_fit, color="primary", **wide)
-        self.cancel = ui.button("Cancel the fit", self.cancel_fit, visible=False)
+        self.read_inputs = RecordInputs(self._read)
+        kinds = {"what the data determine": AUTOMATIC, "the paper's tuning": TUNING}
+        self.kind = ui.dropdown("What to fit", kinds)
+        wide |= {"margin": (6, 8)}
+        self.job = Job(self, "Calibrate the muscle", self.start_fit, self._show_fit, **wide)
         self.fit_notes = ui.wide_pane()
-        self.progress = Progress("fitting", self.status)
         self.table = ui.pane(margin=(4, 8))
         self.use = ui.button("Use the tuned muscle in all tabs", self._use_tuned_muscle, **wide)
         tuned, report = partial(self._as_file, "tuned"), partial(self._as_file, "report")
@@ -264,6 +266,7 @@ class DataView(Tab):
             ui.download_button("Download tuned muscle", tuned, self.message, width=190),
             ui.download_button("Download report", report, self.message),
         ]
+        self.job.run.disabled = True
         self._enable_results(False)
 
     def draw(self, view: View) -> None:
@@ -326,16 +329,22 @@ class DataView(Tab):
         if not name:
             return
         raw, options = self._raw, self.read_inputs.options()
+        self.read_inputs.clear_errors()
+        self.message.show("")
         self.status.object = ui.status_line(f"reading {ui.text_html(name)}")
         self._reads.request(lambda: (raw, read_record(raw, name, view.muscle, options)))
+
+    def _fail_read(self, error: ValueError | str) -> None:
+        is_missing = isinstance(error, MissingMetadataError)
+        if not (is_missing and self.read_inputs.show_error(error)):
+            self.fail(error.message(_in_page_words) if is_missing else error)
+        self.status.object = ""
 
     def _show_record(self, content: tuple[bytes, Record]) -> None:
         raw, record = content
         if raw is not self._raw:  # another file was opened meanwhile
             return
         view, name = self.session.view, self.file_name
-        names = parameters_of(view.muscle)
-        self.constants.options = {name.replace("_", " "): name for name in names}
         self.message.show(mismatch_reason(view.muscle, record))
         self._set_record(record)
         count = (
@@ -350,7 +359,8 @@ class DataView(Tab):
     def _set_record(self, record: Record | None) -> None:
         """Take a `record`, or none; drop any fit, and reset results and buttons."""
         self.record, self.fit = record, None
-        self._end_fit()
+        self.job.stop()
+        self.job.run.disabled = record is None
         self.table.object = self.fit_notes.object = ""
         self.empty_state.visible, self._figure.visible = record is None, record is not None
         self._other_example.visible = record is not None
@@ -395,25 +405,16 @@ class DataView(Tab):
         self.chart.set_ranges(padded_range(before.strain, _SIDE), padded_range(forces, _GAP))
 
     def start_fit(self) -> None:
-        record, muscle = self.record, self.session.view.muscle
-        names = (self.kind.value,) if self.kind.value != _BY_NAME else tuple(self.constants.value)
+        record, muscle, kind = self.record, self.session.view.muscle, self.kind.value
         if record is None:
             return
-        if not names:
-            self.message.show("Choose at least one constant to fit, or fit something else.")
-            return
-        self.message.show("")
-        self.calibrate.disabled, self.cancel.visible = True, True
-        cancelled = self._cancelled = threading.Event()
-        usual = _DURATIONS[self.kind.value]
-        self.progress.start(f"fitting: it usually takes {usual}, longer on a busy machine")
 
-        def progress(_: str) -> None:
-            if cancelled.is_set():
-                raise ValueError("The fit was cancelled.")
+        def compute(is_cancelled: Callable[[], bool]) -> FitResult:
+            def progress(_: str) -> None:
+                if is_cancelled():
+                    raise ValueError("The fit was canceled.")
 
-        def compute() -> FitResult:
-            selection = fit_record(record, muscle, progress, names)
+            selection = fit_record(record, muscle, progress, kind)
             calibration, today = selection.calibration, f"{dt.datetime.now().astimezone():%Y-%m-%d}"
             candidates = selection if selection.candidates else None
             progress("drawing the report")
@@ -422,30 +423,12 @@ class DataView(Tab):
             files = calibrated_files(
                 calibration, today, candidates, texts, notes=record_lines(record), with_log=False
             )
-            return FitResult(selection, page, files["muscle.toml"], record)
+            return FitResult(selection, page, files["muscle.toml"])
 
-        self._fits.request(compute)
-
-    def cancel_fit(self) -> None:
-        """Drop the running fit, whose thread ends with its next step."""
-        self._fits.drop()
-        self._end_fit()
-        self.status.object = ui.status_line("The fit was cancelled.")
-
-    def _end_fit(self) -> None:
-        self.progress.stop()
-        self._cancelled.set()
-        self.calibrate.disabled, self.cancel.visible = self.record is None, False
-
-    def _fail_fit(self, error: ValueError | str) -> None:
-        if self.progress.bar.visible:  # else another record was opened meanwhile
-            self._end_fit()
-            self.fail(error)
+        usual = f"it usually takes {_DURATIONS[kind]}, longer on a busy machine"
+        self.job.start(f"fitting: {usual}", compute)
 
     def _show_fit(self, fit: FitResult) -> None:
-        if fit.record is not self.record:  # another one was opened meanwhile
-            return
-        self._end_fit()
         self.fit, calibration = fit, fit.selection.calibration
         rows = []
         for parameter in calibration.parameters:

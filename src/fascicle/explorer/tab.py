@@ -7,6 +7,7 @@ import asyncio
 import multiprocessing
 import re
 import signal
+import threading
 import traceback
 import warnings
 from collections.abc import Callable
@@ -24,7 +25,7 @@ from matplotlib.figure import Figure
 from ..plot.theme import Colors, to_bytes
 from ..results import Table
 from .state import Session, View, changed
-from .widgets import Message, QuantitySlider, pane, status_line, unit_factor, wide_pane
+from .widgets import Message, QuantitySlider, button, pane, status_line, unit_factor, wide_pane
 
 
 _MOST_JOBS = 2  # at once, in threads and in processes; others wait
@@ -141,20 +142,6 @@ def _is_alive(doc: Document) -> bool:
     return doc.session_context is not None and not doc.session_context.destroyed
 
 
-class Progress:
-    """A bar that moves while a computation runs, and a line in the pane `status`."""
-
-    def __init__(self, label: str, status: Any):
-        html = f'<div role="progressbar" aria-label="{label}"><div></div></div>'
-        self.bar, self._status = wide_pane(html, visible=False), status
-
-    def start(self, text: str) -> None:
-        self.bar.visible, self._status.object = True, status_line(text)
-
-    def stop(self) -> None:
-        self.bar.visible, self._status.object = False, ""
-
-
 class LatestResult:
     """Runs one computation at a time in a thread of `workers`, then that of the latest request, if
     it is newer. On the loop, `show` takes a result, and `fail` an error, once `is_open` is true:
@@ -214,6 +201,56 @@ class LatestResult:
                 self._show(result)
             else:
                 self._fail(error)
+
+
+class Job:
+    """A computation that a visitor starts, and may cancel: a button for each, a bar that moves, and
+    a line in the status of a `tab`; `show` takes its result.
+    """
+
+    def __init__(
+        self,
+        tab: Tab,
+        label: str,
+        start: Callable[[], object],
+        show: Callable[[Any], object],
+        **style: Any,
+    ):
+        self._tab, self._show, self._cancelled = tab, show, threading.Event()
+        self._latest = LatestResult(self._end, tab.fail, tab.is_open, WAITING)
+        self.run = button(label, start, color="primary", **style)
+        self.cancel = button("Cancel", self.stop, disabled=True, **style)
+        html = f'<div role="progressbar" aria-label="{label}"><div></div></div>'
+        self.bar = wide_pane(html, visible=False)
+
+    def start(self, text: str, compute: Callable[[Callable[[], bool]], object]) -> None:
+        """Start `compute`, whose argument says whether it is canceled; `text` for the status."""
+        event = self._cancelled = threading.Event()
+        self._set_running(True)
+        self._tab.message.show("")
+        self._tab.status.object = status_line(text)
+        self._latest.request(lambda: (event, result_and_error(lambda: compute(event.is_set))))
+
+    def stop(self) -> None:
+        """Cancel what is running."""
+        if self.bar.visible:
+            self._cancelled.set()
+            self._set_running(False)
+            self._tab.status.object = status_line("Canceled.")
+
+    def _end(self, ended: tuple[threading.Event, Outcome]) -> None:
+        event, (result, error) = ended
+        if event is self._cancelled and not event.is_set():
+            self._set_running(False)
+            self._tab.status.object = ""
+            if error is None:
+                self._show(result)
+            else:
+                self._tab.fail(error)
+
+    def _set_running(self, running: bool) -> None:
+        self.bar.visible = self.run.disabled = running
+        self.cancel.disabled = not running
 
 
 def is_computing() -> bool:

@@ -32,7 +32,7 @@ from .scenario_setup import (
     page_scenarios,
 )
 from .state import Session, View, view_of
-from .tab import WAITING, Export, LatestResult, Progress, Tab, output_stem, run_job
+from .tab import Export, Job, Tab, output_stem, run_job
 from .texts import TEXTS
 
 
@@ -79,7 +79,8 @@ class ScenarioInputs:
 
     def __init__(self, tab: "TimeView"):
         self._session, self._tab = tab.session, tab
-        names = [*page_scenarios(), _OWN]
+        self._scenarios = page_scenarios()
+        names = [*self._scenarios, _OWN]
         self.scenario = ui.dropdown("Scenario", names, self._choose_scenario, width=200)
         self.file = ui.file_input("Open a scenario (.toml)", ".toml", self._open_file)
         self.about = ui.wide_pane()
@@ -96,7 +97,7 @@ class ScenarioInputs:
     def show(self, view: View) -> None:
         setup, has_control = view.setup, view.setup.has_control
         self.scenario.value = _listed_name(setup)
-        name = setup.name if setup.own else page_scenarios()[setup.name]
+        name = setup.name if setup.own else self._scenarios[setup.name]
         self.about.object = f"<p>{html.escape(name)}</p>"
         self._show_fields(view)
         self.policies.param.update(visible=has_control, value=list(setup.policies))
@@ -224,10 +225,7 @@ class TimeView(Tab):
         self.drawn = ui.dropdown("Policy that is drawn", [], self._choose_drawn, visible=False)
         self.inputs = ScenarioInputs(self)
         style: Any = {"width": 76, "margin": (22, 4, 4, 4)}
-        self.run = ui.button("Run", self.start_run, color="primary", **style)
-        self.cancel = ui.button("Cancel", self.cancel_run, disabled=True, **style)
-        self._progress = Progress("simulating", self.status)
-        self._runs = LatestResult(self._show_result, self._fail_run, self.is_open, WAITING)
+        self.job = Job(self, "Run", self.start_run, self._show_result, **style)
         style = {"min_border_left": _LEFT, "tools": "xpan,xbox_zoom,xwheel_zoom,reset"}
         self.charts = [
             Chart(colors, " ", " ", f"{height}px", **style) for height in _CHARTS.values()
@@ -250,8 +248,8 @@ class TimeView(Tab):
         player = (self._player.controls, self._player.readout)
         self._shown = ui.column(*player, ui.row(drawing, charts), visible=False)
         self.empty_state = ui.column(ui.pane(_TEXTS["empty"]), kind="framed", margin=8)
-        top = ui.row(self.inputs.scenario, self.run, self.cancel, kind="wrapped")
-        state = (self._progress.bar, self.status, self.message.pane, self.notes)
+        top = ui.row(self.inputs.scenario, self.job.run, self.job.cancel, kind="wrapped")
+        state = (self.job.bar, self.status, self.message.pane, self.notes)
         main = ui.column(top, self.inputs.about, *state, self.empty_state, self._shown)
         self.panel = ui.row(self.inputs.panel, main)
 
@@ -260,7 +258,7 @@ class TimeView(Tab):
         try:
             require("jax")
         except MissingExtraError as error:
-            self.run.disabled = True
+            self.job.run.disabled = True
             self.message.show(f"A simulation needs JAX: {error}")
         self._show_runs()
 
@@ -272,28 +270,11 @@ class TimeView(Tab):
     def start_run(self) -> None:
         view = self.session.view
         text = view.setup.text(bundle=view.bundle)
-        self.message.show("")
-        self.run.disabled, self.cancel.disabled = True, False
-        self._progress.start("simulating")
         arguments = text, view.setup.name, view.setup.policies
-        self._runs.request(lambda: (text, run_job(time_run.run_policies, *arguments)))
-
-    def cancel_run(self) -> None:
-        self._runs.drop()
-        self._end_run()
-        self.status.object = ui.status_line("Canceled.")
-
-    def _end_run(self) -> None:
-        self._progress.stop()
-        self.run.disabled, self.cancel.disabled = False, True
-
-    def _fail_run(self, error: ValueError | str) -> None:
-        self._end_run()
-        self.fail(error)
+        self.job.start("simulating", lambda _: (text, run_job(time_run.run_policies, *arguments)))
 
     def _show_result(self, outcome: tuple[str, time_run.SimulationResult]) -> None:
         self._run_text, self.result = outcome
-        self._end_run()
         labels = [run.policy for run in self.result.runs]
         value = self.drawn.value if self.drawn.value in labels else labels[0]
         self.drawn.param.update(options=labels, value=value, visible=len(labels) > 1)

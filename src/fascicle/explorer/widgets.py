@@ -255,8 +255,9 @@ def download_button(
 
 
 class Field:
-    """A text field of the argument `name`, a quantity with its unit; a `ValueError` of `set_value`
-    appears below it. An `optional` one may be empty, for `None`.
+    """A text field of the argument `name`: a quantity of a `dimension`, with its unit, or a text
+    without one; a `ValueError` of `set_value` appears below it. An `optional` one may be empty, for
+    `None`.
     """
 
     def __init__(
@@ -274,12 +275,17 @@ class Field:
         self.message = Message()
         self.widgets = (self.input, self.message.pane)
 
-    def show(self, value: float | None, unit: str) -> None:
-        """Show a `value` [SI] in a `unit`, or none."""
-        self._unit = unit
-        self._text = "" if value is None else format_quantity(value, unit, self._dimension, 5)
-        self.input.value = self._text
+    def show(self, value: float | str | None, unit: str) -> None:
+        """Show a `value` [SI] in a `unit`, a text, or nothing."""
         self.show_error("")
+        self._show_value(value, unit)
+
+    def _show_value(self, value: float | str | None, unit: str) -> None:
+        if value is None or isinstance(value, str):
+            text = value or ""
+        else:
+            text = format_quantity(value, unit, self._dimension, 5)
+        self._unit, self._text, self.input.value = unit, text, text
 
     def show_error(self, error: ValueError | str) -> None:
         """Show an `error` below the field, whose border is red; nothing where it is empty."""
@@ -291,11 +297,14 @@ class Field:
             self.show_error("")
             return
         try:
-            value = None
-            if text.strip() or not self._optional:
+            value: float | str | None = text.strip()
+            if not value and self._optional:
+                value = None
+            elif self._dimension:
                 value = parse_field(text, self._dimension, self._unit, self.name)
-            self._set(value)
-            self.show(value, self._unit)
+            self.show_error("")
+            self._set(value)  # whose result may be an error of this field
+            self._show_value(value, self._unit)
         except ValueError as error:
             self.show_error(error)
 

@@ -6,6 +6,7 @@ with the choices. `fascicle.units` reads quantities strictly, since a person typ
 comes from an instrument, so `PSI`, `bar(g)`, `pct`, `Newtons` and `µm` are understood here as well.
 """
 
+import difflib
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -506,9 +507,9 @@ def _index_of(table: "Table", role: str, header: str) -> int:
         indices = [i for i, name in enumerate(names) if target in dict(read_header(name))]
     if not indices:
         names = [name for name in names if name]
-        hint = did_you_mean(header, names)
-        hint = hint if hint.endswith("?") else f": there are {_list_names(names)}."
-        raise ValueError(f"{table.where}: no column `{header}` for {role}{hint}")
+        best = (difflib.get_close_matches(header, names, 1) or names)[0]
+        how = f"{table.where}: no column `{header}` for {role}: name it with "
+        raise MissingMetadataError(how, ("columns", role, best, f", one of {_list_names(names)}"))
     return _only_index(table, role, indices)
 
 

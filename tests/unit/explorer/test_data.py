@@ -1,19 +1,15 @@
 """The data tab and the records that it reads: its content is the last record's, or nothing."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 import fascicle as fs
-from fascicle import records
 from fascicle.explorer.data_tab import (
     LARGEST_FILE,
     MOST_ROWS,
     DataView,
     curves_at_levels,
     example_record,
-    fit_record,
     mismatch_reason,
     read_record,
 )
@@ -44,7 +40,7 @@ def send(tab, raw, name="a.csv"):
 def enabled(tab):
     """Readings drawn, fit enabled, and the empty state hidden."""
     has_readings = tab._figure.visible and len(tab.readings.data["x"]) > 0
-    return has_readings, not tab.calibrate.disabled, not tab.empty_state.visible
+    return has_readings, not tab.job.run.disabled, not tab.empty_state.visible
 
 
 @pytest.mark.parametrize(
@@ -69,17 +65,14 @@ def test_a_refused_file_drops_the_earlier_record(tab, raw, expected):
 
 def test_a_fit_to_an_earlier_record_is_not_shown(tab, monkeypatch):
     send(tab, GOOD)
-    latest = tab._fits
-    monkeypatch.setattr(latest, "request", lambda _: None)
+    job, started = tab.job, []
+    monkeypatch.setattr(job._latest, "request", started.append)
     tab.start_fit()
-    assert tab.calibrate.disabled and tab.progress.bar.visible
+    assert job.run.disabled and job.bar.visible and not job.cancel.disabled
     send(tab, GOOD.replace(b"200", b"300"), "b.csv")
-    assert not tab.calibrate.disabled and not tab.progress.bar.visible
-    earlier = SimpleNamespace(record=object())
-    latest._show(earlier)
-    assert tab.fit is None and tab.use.disabled
-    latest._fail("of the earlier one")
-    assert not tab.message.text
+    assert not job.run.disabled and not job.bar.visible and job.cancel.disabled
+    job._end(started[0]())  # it ends at its next step
+    assert tab.fit is None and tab.use.disabled and not tab.message.text
 
 
 def test_a_file_read_after_another_was_opened_is_not_shown(tab, monkeypatch):
@@ -171,12 +164,19 @@ def test_a_record_of_another_length_does_not_match():
     assert mismatch_reason(MUSCLE, long) == ""
 
 
-def test_constants_are_fitted_by_name():
-    strain = np.linspace(0, 0.15, 12)
-    built = MUSCLE.replace(outer_radius=1.03 * MUSCLE.outer_radius)
-    record = records.Record.of(2e5, strain, np.asarray(built.force(2e5, strain)), synthetic=True)
-    selection = fit_record(record, MUSCLE, lambda _: None, ("outer_radius",))
-    (parameter,) = selection.calibration.parameters
-    assert parameter.name == "outer_radius" and selection.candidates == ()
-    # without noise the one constant is found; the search stops at a relative step of 1e-8
-    assert parameter.value == pytest.approx(float(built.outer_radius), rel=1e-5)
+@pytest.mark.parametrize(
+    ("key", "wrong", "right"),
+    [(("columns", "force"), "pull", "force"), (("units", "force"), "furlong", "lbf"),
+     (("units", "pressure"), "psia", "psi")],
+)  # fmt: skip
+def test_a_wrong_column_or_unit_is_refused_at_its_field(tab, key, wrong, right):
+    send(tab, GOOD)
+    field, before = tab.read_inputs.fields[key], tab.record
+    field.input.value = wrong
+    assert field.message.text and len(field.input.stylesheets) == 2  # with a red border
+    assert not tab.message.text and tab.record is before
+    other = tab.read_inputs.fields["columns", "pressure"]
+    other.input.value = "pressure"  # the error stays where it is
+    assert not other.message.text
+    field.input.value = right
+    assert not field.message.text and tab.record is not before

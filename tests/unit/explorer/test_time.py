@@ -180,9 +180,9 @@ def test_a_canceled_run_is_not_shown(tab, monkeypatch):
     before = tab.result
     monkeypatch.setattr(LatestResult, "request", lambda *_: None)
     tab.start_run()
-    assert tab.run.disabled and not tab.cancel.disabled
-    tab.cancel_run()
-    assert tab.cancel.disabled and not tab.run.disabled and tab.result is before
+    assert tab.job.run.disabled and not tab.job.cancel.disabled
+    tab.job.stop()
+    assert tab.job.cancel.disabled and not tab.job.run.disabled and tab.result is before
 
 
 def test_a_long_run_is_refused():
