@@ -3,7 +3,6 @@
 import asyncio
 import base64
 import contextlib
-import gzip
 import http.client
 import io
 import json
@@ -17,7 +16,7 @@ import pytest
 
 
 pytest.importorskip("panel")
-from tornado.websocket import WebSocketClosedError, websocket_connect
+from tornado.websocket import websocket_connect
 
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
@@ -64,13 +63,12 @@ def token_of(port):
     return re.search(r'"token":"([^"]+)"', get(port)[1])[1]
 
 
-def opens(port, host, origin, token=None):
-    """Whether a websocket of this page, or of another `token`, is opened."""
-    token = token or token_of(port)
+def opens(port, host, origin):
+    """Whether a websocket of this page is opened."""
     status, _ = get(
         port, "/ws", Host=host, Origin=origin, Upgrade="websocket", Connection="Upgrade",
         **{"Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Version": "13",
-           "Sec-WebSocket-Protocol": f"bokeh, {token}"},
+           "Sec-WebSocket-Protocol": f"bokeh, {token_of(port)}"},
     )  # fmt: skip
     assert status in (101, 403)
     return status == 101
@@ -142,9 +140,9 @@ async def closed(socket):
             pass
 
 
-async def send(socket, patch, **header):
+async def send(socket, patch):
     """Send a message with a `patch`."""
-    for part in ({"msgid": "1", "msgtype": "PATCH-DOC"} | header, {}, patch):
+    for part in ({"msgid": "1", "msgtype": "PATCH-DOC"}, {}, patch):
         await socket.write_message(json.dumps(part))
 
 
@@ -153,79 +151,14 @@ async def send_patches(port):
     for patch in PATCHES:
         async with connected(port) as socket:
             await send(socket, patch)
-            header, _, content = [json.loads(await socket.read_message()) for _ in range(3)]
+            header, *_ = [json.loads(await socket.read_message()) for _ in range(3)]
         assert header["msgtype"] == "ERROR"
-        assert content == {"text": "This failed: see the server's log.", "traceback": None}
-
-
-async def send_buffers(port, count):
-    """Send a message of `count` buffers of 1 MiB, and wait until the server closes the socket."""
-    async with connected(port) as socket:
-        await send(socket, {"events": []}, num_buffers=count)
-        with contextlib.suppress(WebSocketClosedError):
-            for number in range(count):
-                await socket.write_message(json.dumps({"id": str(number)}))
-                await socket.write_message(bytes(2**20), binary=True)
-        await closed(socket)
-
-
-def test_a_message_of_many_buffers_counts_as_a_whole(port):
-    asyncio.run(send_buffers(port, 17))
-    assert get(port)[0] == 200
-
-
-async def send_value(port, value):
-    """Send a `value` for a model; the code with which the server closes the socket."""
-    event = {"kind": "ModelChanged", "model": {"id": "none"}, "attr": "tags", "new": value}
-    async with connected(port) as socket:
-        await send(socket, {"events": [event]})
-        await closed(socket)
-    return socket.close_code
-
-
-ZEROS = base64.b64encode(gzip.compress(bytes(2**20))).decode()
-
-
-@pytest.mark.parametrize(
-    "value",
-    [
-        [{"type": "bytes", "data": ZEROS}] * 2,
-        [{"type": "object", "name": "Range1d", "id": "x"}] * 101,
-        {"a": {"type": "ndarray", "array": ["a"], "dtype": "U9", "shape": [1], "order": "little"}},
-    ],
-)
-def test_a_message_with_values_that_swell_closes_its_socket(port, value):
-    assert asyncio.run(send_value(port, value)) == 1009
 
 
 @pytest.mark.parametrize("name", ["bokeh-session-id", "bokeh-token", "Bokeh%2DSession%2DId"])
 def test_nobody_chooses_a_session(port, name):
     assert get(port, f"/?{name}=lure")[0] == 403
     assert get(port, **{name.replace("%2D", "-"): "lure"})[0] == 403
-
-
-def packed(text):
-    return base64.urlsafe_b64encode(text.encode()).decode().rstrip("=")
-
-
-@pytest.mark.parametrize(
-    "token",
-    [
-        packed('{"session_id":"lure","session_expiry":99999999999}'),
-        packed('{"session_id":"q","session_expiry":1e400}'),
-        packed('{"session_id":"q","session_expiry":99999999999,"__bk__zlib_":"eNo"}'),
-        packed("[" * 9000), packed("{}") + ".", "\xff", "x.\xff", ".", "",
-    ],
-)  # fmt: skip
-def test_a_token_of_somebody_else_opens_nothing(port, token):
-    name = f"127.0.0.1:{port}"
-    assert not opens(port, name, f"http://{name}", token or " ")
-
-
-def test_a_changed_token_opens_nothing(port):
-    name, token = f"127.0.0.1:{port}", token_of(port)
-    assert not opens(port, name, f"http://{name}", "x" + token)
-    assert opens(port, name, f"http://{name}", token)
 
 
 def ids(value, **attributes):

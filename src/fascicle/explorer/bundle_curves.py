@@ -1,6 +1,5 @@
 """Curves of a bundle as arrays: its workspace, its state, and pressures for a point."""
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -84,7 +83,6 @@ class FreeStrainCurve(NamedTuple):
     turn: Reversal
 
 
-@lru_cache(maxsize=32)  # visitors share it
 def second_unit_curve(bundle: Bundle, first: float) -> FreeStrainCurve:
     """Free strain over unit 2's pressure: unit 1 at `first` [Pa], later units vented."""
     pressure = np.linspace(0.0, first, _PRESSURES)
@@ -93,13 +91,11 @@ def second_unit_curve(bundle: Bundle, first: float) -> FreeStrainCurve:
     return FreeStrainCurve(pressure, resisted, free, second_unit_reversal(bundle, first))
 
 
-@lru_cache(maxsize=32)  # visitors share it; it takes a third of a second
 def second_unit_reversal(bundle: Bundle, first: float, resistance: bool = True) -> Reversal:
     """Turn of the free strain as the second unit's pressure rises to `first` [Pa]."""
     return reversal(bundle, 2, first, resistance)
 
 
-@lru_cache(maxsize=16)  # visitors share it
 def bundle_workspace(bundle: Bundle, resistance: bool) -> BundleWorkspace:
     """Workspace of a `bundle` and the overlap of its states, with `resistance` or without."""
     space = recruitment.workspace(bundle, levels=LEVELS, resistance=resistance)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 import panel as pn
@@ -26,7 +26,7 @@ from .bundle_curves import BundleState, BundleWorkspace, FreeStrainCurve, Recrui
 from .chart import Chart, hover_tooltips, padded_range, unit_colors
 from .remarks import equilibria_text, remarks_html, words_html
 from .solid import Scene
-from .state import SIZES, Session, Unit, View, changed, check_units, check_value, scaled_muscle
+from .state import Session, Unit, View, changed, check_units, check_value
 from .tab import Export, LatestResult, StrainTab
 from .texts import TEXTS
 
@@ -40,20 +40,12 @@ _FORCE_HEIGHT = "var(--figure-height, clamp(300px, min(46vh, 100vw), 800px))"
 _FREE_STRAIN_HEIGHT = "var(--figure-height, clamp(200px, 26vh, 400px))"
 
 
-class UnitInputs(NamedTuple):
-    """Inputs of a motor unit: count and radius of its muscles, and its pressure."""
-
-    muscles: ui.Field
-    radius: ui.Field
-    pressure: ui.QuantitySlider
-
-
 class UnitRows:
     """Inputs of all motor units; units are added and removed at the end."""
 
     def __init__(self, session: Session):
         self._session = session
-        self.rows: list[UnitInputs] = []
+        self.rows: list[tuple[ui.Field, ui.QuantitySlider]] = []  # count of muscles, pressure
         self._buttons = [
             ui.button("Add a unit", partial(self._set_number, 1), margin=(4, 4, 4, 8)),
             ui.button("Remove the last", partial(self._set_number, -1), margin=4),
@@ -64,52 +56,32 @@ class UnitRows:
         if len(self.rows) != len(view.units):
             self.rows = self.rows[: len(view.units)]
             self.rows += [self._make_row(i) for i in range(len(self.rows), len(view.units))]
-            parts = [(*r.muscles.widgets, *r.radius.widgets, r.pressure.panel) for r in self.rows]
+            parts = [(*count.widgets, pressure.panel) for count, pressure in self.rows]
             self.panel.objects = [*self._buttons, self.message.pane, *sum(parts, ())]
-        for inputs, unit in zip(self.rows, view.units, strict=True):
-            inputs.muscles.show(unit.count, "")
-            radius = float(view.muscle_of(unit).outer_radius)
-            inputs.radius.show(radius, view.display_units["length"])
+        for (count, _), unit in zip(self.rows, view.units, strict=True):
+            count.show(unit.count, "")
         self.message.show("")
         self.show_pressures(view)
 
     def show_pressures(self, view: View) -> None:
-        for inputs, pressure in zip(self.rows, view.pressures, strict=True):
-            inputs.pressure.show(pressure, view.display_units["pressure"], view.supply)
+        for (_, slider), pressure in zip(self.rows, view.pressures, strict=True):
+            slider.show(pressure, view.display_units["pressure"], view.supply)
 
     def set_pressure(self, i: int, pressure: float) -> None:
         """Set the pressure [Pa] of unit `i`, counted from 0."""
         pressures = self._session.view.pressures
         self._session.change(pressures=(*pressures[:i], pressure, *pressures[i + 1 :]))
 
-    def _make_row(self, i: int) -> UnitInputs:
-        label, set_count = f"Unit {i + 1}: muscles", partial(self._set_count, i)
-        count = ui.Field(label, "count", "number", set_count)
-        radius = ui.Field("Radius", "radius", "length", partial(self._set_radius, i))
+    def _make_row(self, i: int) -> tuple[ui.Field, ui.QuantitySlider]:
+        count = ui.Field(f"Unit {i + 1}: muscles", "count", "number", partial(self._set_count, i))
         label, set_pressure = f"Pressure P{i + 1}", partial(self.set_pressure, i)
-        pressure = ui.QuantitySlider(label, "pressure", "pressure", set_pressure)
-        return UnitInputs(count, radius, pressure)
+        return count, ui.QuantitySlider(label, "pressure", "pressure", set_pressure)
 
     def _set_count(self, i: int, count: float) -> None:
         if not count.is_integer():
             raise InvalidInputError("count", "must be a whole number", count)
-        self._set_unit(i, replace(self._session.view.units[i], count=int(count)))
-
-    def _set_radius(self, i: int, radius: float) -> None:
-        view = self._session.view
-        unit, shown = view.units[i], view.display_units["length"]
-        base = float((view.muscle if unit.own is None else unit.own).outer_radius)
-        size, limits = radius / base, (ratio * base for ratio in SIZES)
-        if not SIZES[0] <= size <= SIZES[1]:
-            low, high, text = (ui.format_quantity(x, shown, "length") for x in (*limits, radius))
-            rule = f"must be {low} to {high}, a tenth to ten times the muscle's"
-            raise InvalidInputError("radius", rule, radius, shown=text)
-        own = None if unit.own is None else scaled_muscle(unit.own, size)
-        self._set_unit(i, replace(unit, size=size if own is None else unit.size, own=own))
-
-    def _set_unit(self, i: int, unit: Unit) -> None:
         units = self._session.view.units
-        units = (*units[:i], unit, *units[i + 1 :])
+        units = (*units[:i], replace(units[i], count=int(count)), *units[i + 1 :])
         check_units(units)
         self._session.change(units=units)
 

@@ -3,7 +3,7 @@
 import html
 import math
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -47,7 +47,6 @@ class PinCurve(NamedTuple):
     collapse_strain: float
 
 
-@lru_cache(maxsize=128)  # visitors share it
 def pin_curve(muscle: Muscle, pressure: float, top: float) -> PinCurve:
     """Curve of a muscle at a `pressure` [Pa] up to a strain `top` [-], kinks among its strains."""
     free, collapse = (float(x(pressure)) for x in (muscle.free_strain, muscle.collapse_strain))
@@ -167,6 +166,7 @@ class CompareView(StrainTab):
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors, "Contraction ε to compare at")
         self._form, self._rows = PinForm(session), ui.column()
+        self._pin_curves: list[PinCurve] = []
         # room for header, slider, legend and the head of the table
         chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(430))
         self.chart = chart
@@ -199,7 +199,7 @@ class CompareView(StrainTab):
         unit, scale = self.unit("force")
         self.top = max(strain_limit(pin.muscle, pin.pressure) for pin in view.pins)
         curves = [pin_curve(pin.muscle, pin.pressure, self.top) for pin in view.pins]
-        forces = [curve.force / scale for curve in curves]
+        self._pin_curves, forces = curves, [curve.force / scale for curve in curves]
         self._curves.data = {
             "xs": [curve.strain for curve in curves],
             "ys": forces,
@@ -239,7 +239,7 @@ class CompareView(StrainTab):
         """Show forces at the view's contraction, and the table."""
         (unit, scale), strain = self.unit("force"), min(view.strain, self.top)
         self.show_strain(view)
-        curves = [pin_curve(pin.muscle, pin.pressure, self.top) for pin in view.pins]
+        curves = self._pin_curves
         forces = [float(pin.muscle.force(pin.pressure, strain)) / scale for pin in view.pins]
         colors = self._colors[: len(forces)]
         self._points.data = {"x": [strain] * len(forces), "y": forces, "color": colors}

@@ -5,7 +5,6 @@ it is a path or is run. Panel's own `Location.sync` reads JSON into parameters.
 """
 
 import base64
-import json
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -15,14 +14,12 @@ from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
 from ..files import dumps, example, loads, named_muscles
-from ..muscle import Muscle
 from ..units import exact, parse
 from . import state
-from .compare_tab import add_pin
 from .scenario_setup import DEFAULT, Setup, check_policies, open_setup, page_scenarios
 
 
-LONGEST = 16_000  # characters of all packed files: servers and browsers take addresses so long
+LONGEST = 16_000  # characters of a packed file: servers and browsers take addresses so long
 _LARGEST_TEXT = 32_000  # bytes of the file in it: eight different tuned muscles take half of that
 TOO_LARGE = "left-out"  # instead of a larger file
 _LONGEST_NAME = 60  # characters
@@ -36,9 +33,7 @@ def to_query(view: state.View) -> dict[str, str]:
         query = {"file": pack(dumps(view.muscle)), "name": view.name}
         if state.is_shipped(view.name, view.muscle):
             query = {"muscle": view.name}
-        query["units"] = ",".join(
-            f"{unit.count}" + (f"@{unit.size!r}" if unit.size != 1 else "") for unit in view.units
-        )
+        query["units"] = ",".join(f"{unit.count}" for unit in view.units)
     query |= {
         "supply": _text(view.supply, "pressure"),
         "scheme": view.scheme,
@@ -52,8 +47,6 @@ def to_query(view: state.View) -> dict[str, str]:
     }
     if view.load is not None:
         query["load"] = _text(view.load, "force")
-    if view.pins:
-        query["pins"] = _pack_pins(view.pins)
     setup = view.setup
     if setup.own or setup.values:
         query |= {"scenario_file": pack(setup.text()), "scenario": setup.name}
@@ -125,15 +118,6 @@ def _text(value: float, dimension: str) -> str:
     return exact(value, dimension).replace(" ", "")
 
 
-def _pack_pins(pins: Sequence[state.Pin]) -> str:
-    """Text of `pins`; muscles that are shipped by their names."""
-    rows = []
-    for pin in pins:
-        shipped = next((name for name in named_muscles() if state.is_shipped(name, pin.muscle)), "")
-        rows.append((pin.name, pin.pressure, shipped or dumps(pin.muscle)))
-    return pack(json.dumps(rows, ensure_ascii=False))
-
-
 # readers of keys: each returns the view with the text of its key
 
 
@@ -148,11 +132,10 @@ def _read_file(view: state.View, text: str, query: Mapping[str, str]) -> state.V
 
 
 def _read_units(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
-    entries = [entry.partition("@") for entry in text.split(",")[: state.MOST_UNITS + 1]]
     try:
-        units = tuple(state.Unit(int(count), float(size or 1)) for count, _, size in entries)
+        units = tuple(state.Unit(int(n)) for n in text.split(",")[: state.MOST_UNITS + 1])
     except ValueError:
-        raise InvalidInputError("units", "must be like 1,4@0.5", text[:40]) from None
+        raise InvalidInputError("units", "must be like 1,4", text[:40]) from None
     state.check_units(units)
     return replace(view, units=units, pressures=(view.supply,) * len(units))
 
@@ -162,17 +145,6 @@ def _read_display_units(view: state.View, text: str, _: Mapping[str, str]) -> st
     for kind, unit in zip(state.DISPLAY_UNITS, units, strict=True):
         check_choice(unit, state.DISPLAY_UNITS[kind], "show")
     return replace(view, display_units=dict(zip(state.DISPLAY_UNITS, units, strict=True)))
-
-
-def _read_pins(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
-    pins: tuple[state.Pin, ...] = ()
-    for name, pressure, source in json.loads(unpack(text)):
-        if source in named_muscles():
-            muscle: Muscle = state.shipped_muscle(source)
-        else:
-            muscle = state.view_of(loads(source, source="a pinned muscle"), "pin").muscle
-        pins = add_pin(pins, name, muscle, state.check_value("pressure", pressure))
-    return replace(view, pins=pins)
 
 
 def _read_scenario(view: state.View, text: str, query: Mapping[str, str]) -> state.View:
@@ -221,7 +193,6 @@ _READERS: Mapping[str, _Reader] = {
     "path": _choice("path", PATHS),
     "show": _read_display_units,
     "tab": _choice("tab", state.TABS),
-    "pins": _read_pins,
     "scenario": _read_scenario,
     "policies": _read_policies,
 }

@@ -3,7 +3,6 @@
 Pressures are even ones and, last, the chosen one; among the strains are the law's kinks.
 """
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -97,7 +96,6 @@ def muscle_curves(
         )
 
 
-@lru_cache(maxsize=64)  # visitors share it
 def strain_limit(muscle: Muscle, supply: float) -> float:
     """Largest strain [-] that is drawn, well past the free strain at `supply` [Pa]."""
     free = float(muscle_curves(muscle, supply, 0.0, supply, 0.3).free_strain[-1])

@@ -36,9 +36,7 @@ def remarks_html(view: View, tab: str) -> str:
     unequal = sum(unit.own is not None for unit in view.units)
     if tab == "muscle" and unequal:
         lines.append(f"This is the muscle of unit 1; {unequal} of the others have their own.")
-    scaled = tab == "bundle" and any(unit.size != 1 for unit in view.units)
-    edited = tab == "muscle" and view.name.endswith(CHANGED)
-    if (scaled or edited) and is_tuned(view.muscle):
+    if tab == "muscle" and view.name.endswith(CHANGED) and is_tuned(view.muscle):
         lines.append(TEXTS["remarks"]["unmeasured_size"])
     warnings = [f'<p class="warning">{text_html(x)}</p>' for x in validity_warnings(view, tab)]
     return "".join(warnings) + status_line(" ".join(lines))
@@ -51,7 +49,7 @@ def validity_warnings(view: View, tab: str) -> list[str]:
     """
     units = [] if tab == "muscle" else view.units
     lines = []
-    for muscle in [view.muscle_of(unit) for unit in units] or [view.muscle]:
+    for muscle in [unit.own or view.muscle for unit in units] or [view.muscle]:
         lines += [
             published_range_message(muscle),
             fitted_length_mismatch(muscle),

@@ -3,8 +3,9 @@
 The file's text is edited: comments and other keys stay. Nothing here imports the simulator.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import tomlkit
@@ -68,20 +69,30 @@ class Setup:
         """Text of the scenario's file, unchanged."""
         return self.own or example_text(self.name)
 
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """Content of the scenario's file."""
+        return parse_file(self.source, self.name)
+
     @property
     def has_control(self) -> bool:
         """True for a scenario with [control], whose policy can be changed."""
-        return isinstance(_scenario_tables(self.source, self.name).get("control"), dict)
+        return isinstance(self.tables.get("control"), dict)
+
+    @cached_property
+    def file_fields(self) -> list[ScenarioValue]:
+        """The scenario's quantities that can be changed, with the file's values."""
+        return _fields(self.tables)
 
     @property
     def fields(self) -> list[ScenarioValue]:
         """The scenario's quantities that can be changed, each with this setup's value."""
-        values, fields = dict(self.values), _fields(self.source, self.name)
-        return [field._replace(value=values.get(field.path, field.value)) for field in fields]
+        values = dict(self.values)
+        return [x._replace(value=values.get(x.path, x.value)) for x in self.file_fields]
 
     def with_value(self, path: str, value: float) -> "Setup":
         """A copy whose quantity at a `path` has a `value` [SI]; `ValueError` on an unknown path."""
-        original = {field.path: field.value for field in _fields(self.source, self.name)}
+        original = {field.path: field.value for field in self.file_fields}
         check_choice(path, original, "set")
         values = {**dict(self.values), path: value}
         changed = tuple((key, x) for key, x in values.items() if x != original[key])
@@ -90,7 +101,7 @@ class Setup:
     def text(self, policy: str = "", bundle: Bundle | None = None) -> str:
         """Text of the file with the changed values, a `policy` and the page's `bundle`."""
         document: Any = tomlkit.parse(self.source)
-        dimensions = {field.path: field.dimension for field in _fields(self.source, self.name)}
+        dimensions = {field.path: field.dimension for field in self.file_fields}
         for path, value in self.values:
             *keys, last = (int(key) if key.isdigit() else key for key in path.split("."))
             table = document
@@ -125,7 +136,8 @@ def _set_bundle(document: Any, bundle: Bundle) -> None:
 
 def open_setup(text: str, name: str) -> Setup:
     """Setup of a visitor's file; `ValueError`, in one line, for one that the page can't run."""
-    data = parse_file(text, name)
+    setup = Setup(name, text)
+    data = setup.tables
     if not {"load", "run", "schedule"} & data.keys():
         raise ValueError(
             f"{name}: this is no scenario, without [load] and [run]: open a muscle or bundle at the"
@@ -145,19 +157,18 @@ def open_setup(text: str, name: str) -> Setup:
                 f"{name}: {key} names another file, which the page can't read: name a shipped"
                 " bundle, write its values into this file, or use `fascicle simulate`."
             )
-    return Setup(name, text)
+    return setup
 
 
 def bundle_of(setup: Setup) -> Muscle | Bundle:
     """Muscle or bundle in the file of a `setup`; `ValueError` where there is none."""
-    data = _scenario_tables(setup.source, setup.name)
+    data = setup.tables
     if isinstance(data.get("bundle"), str):
         return example(data["bundle"])
     inline = {key: data[key] for key in ("format", "muscle", "bundle") if key in data}
     return from_dict(inline, setup.name)
 
 
-@lru_cache(maxsize=1)
 def page_scenarios() -> dict[str, str]:
     """Descriptions of the shipped scenarios of one bundle, by name: a joint has two."""
     texts = {name: parse_file(example_text(name), name) for name in scenarios()}
@@ -168,13 +179,9 @@ def page_scenarios() -> dict[str, str]:
     }
 
 
-_scenario_tables = lru_cache(maxsize=64)(parse_file)  # they are asked for at each change
-
-
-@lru_cache(maxsize=64)
-def _fields(text: str, name: str) -> list[ScenarioValue]:
-    """Quantities of a file that can be changed, with its own values."""
-    data, fields = _scenario_tables(text, name), []
+def _fields(data: Mapping[str, Any]) -> list[ScenarioValue]:
+    """Quantities of a scenario's tables that can be changed."""
+    fields = []
     rows: list[tuple[str, str, str, object]] = []
     load, supply = data.get("load"), data.get("supply")
     if isinstance(load, dict) and load.get("kind") in _LOADS:

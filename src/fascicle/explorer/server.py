@@ -1,6 +1,6 @@
 """Server of the explorer, for this machine alone unless another address is given.
 
-Panel's, with limits on messages, logs of single lines, and a check of each request: Bokeh checks
+Panel's, with logs of single lines and a check of each request: Bokeh checks
 the `Origin` of a websocket alone, but pages of strangers can make a browser ask for anything here.
 They can't forge `Host`, the stranger's name even if that points at this machine (DNS rebinding).
 """
@@ -19,14 +19,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import panel as pn
-from bokeh.protocol.message import Message
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
 from bokeh.server.util import bind_sockets
-from bokeh.util.token import check_session_id_signature
 from panel.io.application import build_applications
 from panel.io.resources import DIST_DIR
-from panel.io.server import WSHandler
 from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPHeaders, HTTPServerRequest
 from tornado.ioloop import IOLoop
@@ -56,9 +53,6 @@ _HOST = re.compile(r"(?P<name>\[[0-9a-f:.%]+\]|[^\s@/#?\[\]:]+)(?::\d{1,5})?")
 # of Panel, to embed the page elsewhere and to import modules: the explorer needs none
 _CLOSED = ("/autoload.js", "/components/", "/metadata")
 _SESSION_NAMES = {"bokeh-session-id", "bokeh-token"}  # that two visitors would share
-# types of values in Bokeh's messages that take more memory than they have bytes
-_SWELLING = ("bytes", "ndarray", "typed_array")
-_MAX_OBJECTS = 100  # in a message: a button's click comes with the button and its parts
 
 
 def serve(
@@ -129,9 +123,6 @@ def start_server(
         sign_sessions=True,
         secret_key=secrets.token_bytes(32),
     )
-    for rule in app.wildcard_router.rules:
-        if rule.target is WSHandler:
-            rule.target = LimitedSocket
     guard(app, host, allowed)
     http = HTTPServer(app, max_buffer_size=_LARGEST_MESSAGE)
     http.add_sockets(sockets)
@@ -225,64 +216,6 @@ def guard(app: Application, host: str, allowed: Sequence[str]) -> None:
 
     app.default_router.rules.insert(0, Rule(RejectedRequests(), _RejectPage))
     app.add_transform(_ProtectedAnswer)
-
-
-class LimitedSocket(WSHandler):
-    """Panel's websocket, for pages of this server, closed by a message that would take too much
-    memory: of more than `_LARGEST_MESSAGE` bytes in all, or with values that swell.
-
-    Tornado's own limit is one of each part of a message, of which there may be any number.
-    """
-
-    application: BokehTornado
-    _received = 0
-
-    async def prepare(self) -> None:
-        """Refuse a token that this server didn't sign, before anything in it is read."""
-        await super().prepare()
-        token = self.request.headers.get("Sec-WebSocket-Protocol", "").rpartition(",")[2].strip()
-        key = self.application.secret_key
-        # a token is signed as a session's name is
-        if not (token.isascii() and check_session_id_signature(token, key, signed=True)):
-            self.set_status(403)
-            self.finish()
-
-    async def on_message(self, fragment: str | bytes) -> None:
-        """Take a part of a message: its header, of which no later part has the form, or another."""
-        is_header = isinstance(fragment, str) and fragment.startswith('{"msgid"')
-        self._received = len(fragment) + (0 if is_header else self._received)
-        if self._received > _LARGEST_MESSAGE:
-            self.close(1009, "This message is too large.")  # the code of websockets for it
-        else:
-            await super().on_message(fragment)
-
-    async def _receive(self, fragment: str | bytes) -> Message[Any] | None:
-        message = await super()._receive(fragment)
-        if message is not None and _swells(message.content):
-            self.close(1009, "This message is too large.")
-            return None
-        return message
-
-    async def send_message(self, message: Message[Any]) -> None:
-        """Send a `message`; an error only says that there is one: the terminal has its line."""
-        if message.msgtype == "ERROR":
-            message.content = {"text": "This failed: see the server's log.", "traceback": None}
-        await super().send_message(message)
-
-
-def _swells(content: object) -> bool:
-    """True for a `content` of a message with values of the types `_SWELLING`, or many objects."""
-    rest, objects = [content], 0
-    while rest:
-        value = rest.pop()
-        if isinstance(value, dict):
-            objects += value.get("type") == "object"
-            if value.get("type") in _SWELLING or objects > _MAX_OBJECTS:
-                return True
-            value = list(value.values())
-        if isinstance(value, list):
-            rest += value
-    return False
 
 
 class _ProtectedAnswer(OutputTransform):

@@ -12,7 +12,6 @@ server.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -81,7 +80,6 @@ def muscle_solid(
     return Solid(points, lines, lines - center, curves.angle, curves.radius)
 
 
-@cache
 def face_corners() -> np.ndarray:
     """Corners of a solid's faces, the tube's then the fittings': rows of four point indices."""
     # rings with a next one: the last of the tube, and of the first fitting, have none

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, fields, replace
-from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,6 @@ import param
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
-from ..core.module import with_fields
 from ..core.validation import HIGHEST_PRESSURE, LARGEST_STRAIN, check_finite, check_interval
 from ..files import dumps, example, named_muscles
 from ..muscle import Muscle
@@ -29,7 +27,6 @@ DISPLAY_UNITS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 SUPPLY = 413.7e3  # Pa, the paper's 60 psi, where a file names no supply pressure
 MOST_UNITS, MOST_MUSCLES = 8, 60  # more can't be told apart in the figures
-SIZES = (0.1, 10)  # least and largest ratio of a unit's radius to the shared muscle's
 CHANGED = ", changed"  # after the name of an opened muscle that was changed
 _DISPLAY_FIELDS = ("tab", "display_units")  # that undo and reset leave as they are
 _ONE_CHANGE = 1.0  # s within which changes of the same fields are one: a slider's steps
@@ -47,10 +44,9 @@ _LIMITS = {
 
 @dataclass(frozen=True)
 class Unit:
-    """A motor unit: `count` muscles, the view's with radius and wall times `size` [-], or `own`."""
+    """A motor unit: `count` muscles, the view's or `own` ones."""
 
     count: int = 1
-    size: float = 1.0
     own: Muscle | None = None
 
 
@@ -94,12 +90,8 @@ class View:
 
     @property
     def bundle(self) -> Bundle:
-        units = [MotorUnit(self.muscle_of(unit), unit.count) for unit in self.units]
+        units = [MotorUnit(unit.own or self.muscle, unit.count) for unit in self.units]
         return Bundle(units, self.supply, self.scheme, self.distance)
-
-    def muscle_of(self, unit: Unit) -> Muscle:
-        """A `unit`'s own muscle as it is; without one, the view's muscle at the unit's size."""
-        return scaled_muscle(self.muscle, unit.size) if unit.own is None else unit.own
 
     @property
     def text(self) -> str:
@@ -109,14 +101,6 @@ class View:
 
 # fields of the view that undo and reset restore
 CONTENT_FIELDS = tuple(entry.name for entry in fields(View) if entry.name not in _DISPLAY_FIELDS)
-
-
-def scaled_muscle(muscle: Muscle, size: float) -> Muscle:
-    """A muscle of `size` times the radius and wall thickness [-] and the same length."""
-    if size == 1:
-        return muscle
-    radius, wall = muscle.outer_radius * size, muscle.wall_thickness * size
-    return with_fields(muscle, outer_radius=radius, wall_thickness=wall)
 
 
 def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> View:
@@ -143,7 +127,6 @@ def view_of(target: Muscle | Bundle, name: str, before: View | None = None) -> V
     return replace(view, scheme=target.scheme.name, distance=distance, pressure=pressure)
 
 
-@lru_cache(maxsize=64)  # more than there are; a link is written after every move
 def shipped_muscle(name: str) -> Muscle:
     """Muscle of an example or of a measured muscle; of a bundle, its first unit's."""
     return view_of(example(name), name).muscle
@@ -172,10 +155,6 @@ def check_units(units: tuple[Unit, ...]) -> None:
         rule = f"must be 1 or more in each motor unit and {MOST_MUSCLES} in all"
         text = f"{fewest}" if fewest < 1 else f"{total} in all"
         raise InvalidInputError("count", rule, total, shown=text)
-    for unit in units:
-        if not SIZES[0] <= unit.size <= SIZES[1]:  # nor NaN
-            rule = f"must lie in [{SIZES[0]:g}, {SIZES[1]:g}] times the muscle's"
-            raise InvalidInputError("radius", rule, unit.size, shown=f"{unit.size:g} times")
 
 
 class Session(param.Parameterized):

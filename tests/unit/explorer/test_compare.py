@@ -1,6 +1,5 @@
-"""Pinned curves: their table has the library's numbers, a link keeps them."""
+"""Pinned curves: their table has the library's numbers."""
 
-import json
 import math
 import re
 from dataclasses import replace
@@ -16,7 +15,6 @@ from fascicle.explorer.compare_tab import (
     difference_text,
     rename_pin,
 )
-from fascicle.explorer.link import LONGEST, from_query, pack, to_query
 from fascicle.explorer.state import Pin, Session, view_of
 from fascicle.plot.theme import LIGHT
 
@@ -87,26 +85,3 @@ def test_pins_are_limited_and_their_names_differ():
         assert len({pin.name for pin in renamed}) == MOST_PINS
         assert renamed[1].name[0].isalnum() and len(renamed[1].name) < 60
     assert rename_pin(pins, 1, " new  name ")[1] == replace(pins[1], name="new name")
-
-
-def test_pins_come_back_from_a_link():
-    odd = replace(VIEW, pins=(*PINS, Pin("odd", SIX, 123456.78901234567)))
-    view, _, errors = from_query(to_query(odd), view_of(SIX, "kim2021_figure_6"))
-    assert not errors
-    assert view.pins == odd.pins
-
-
-def packed(name="a", pressure=1e5, source="kim2021_figure_6"):
-    return pack(json.dumps([[name, pressure, source]]))
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["x", pack("[" * 10_000), pack("{}x"), pack('[["name", 1]]'), packed(pressure=9e6),
-     packed(pressure="a"), packed(source="../../etc/passwd"), packed(source="import os"),
-     "A" * (LONGEST + 1)],
-)  # fmt: skip
-def test_wrong_pins_of_a_link_are_left_out(text):
-    view, _, errors = from_query({"pins": text, "path": "isotonic"}, VIEW)
-    assert len(errors) == 1 and "\n" not in errors[0]
-    assert view.pins == VIEW.pins and view.path == "isotonic"

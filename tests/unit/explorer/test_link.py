@@ -28,7 +28,7 @@ def read(query):
 
 def test_a_view_comes_back_from_its_address():
     view = replace(
-        SIX, units=(Unit(1), Unit(4, 0.5)), supply=344.7e3, scheme="batch", pressure=69e3,
+        SIX, units=(Unit(1), Unit(4)), supply=344.7e3, scheme="batch", pressure=69e3,
         strain=0.123, load=12.5, pressures=(3e5, 1e5), resistance=False,
         path="isotonic", tab="bundle",
         display_units={"pressure": "psi", "length": "in", "force": "lbf"},
@@ -64,7 +64,7 @@ def test_the_length_of_a_fit_comes_back():
      {"file": pack("#" * 40_000)}, {"file": pack(MANY)}, {"strain": "2"}, {"strain": "9e9999"},
      {"pressure": "137.9"}, {"pressure": "nan kPa"}, {"pressure": "9 MPa"}, {"load": "nan N"},
      {"supply": "1e-400 Pa"}, {"units": "1,x"}, {"units": "99999"}, {"units": "9" * 5000},
-     {"units": "1@nan"}, {"units": "-1,2"}, {"units": "1," * 9 + "1"},
+     {"units": "-1,2"}, {"units": "1," * 9 + "1"},
      {"pressures": "9" * 5000, "units": "1"}, {"scheme": "<script>"}, {"show": "furlong,mm,N"},
      {"tab": "x"}, {"scenario": "lift"}, {"policies": "threshold", "scenario": "lift_gas"},
      {"scenario": "mine", "scenario_file": "AAAA"}],

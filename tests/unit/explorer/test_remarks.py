@@ -45,8 +45,7 @@ def test_a_fit_at_another_length_gives_one_warning():
     with warns("127 mm"):
         longer = fitted.replace(length=0.2)
     for tab in PICTURES:
-        # thinner muscles of a bundle are of the same fit
-        view = replace(TUNED, muscle=longer, units=(Unit(1), Unit(2, 0.5)))
+        view = replace(TUNED, muscle=longer, units=(Unit(1), Unit(2)))
         (warning,) = validity_warnings(view, tab)
         assert "127 mm" in warning and "200 mm" in warning
     view = replace(SIX, units=(Unit(1), Unit(2, own=longer)))
@@ -68,9 +67,8 @@ def test_pressures_above_those_measured_give_a_warning():
 
 def test_notes_on_several_muscles_and_on_a_tuning_for_another_size():
     unequal = replace(SIX, units=(Unit(1), Unit(2, own=OTHER)))
-    thinner, tuned = (replace(view, units=(Unit(1), Unit(2, 0.5))) for view in (SIX, TUNED))
     edited = replace(TUNED, name="kim2021_slenderness_10, changed")
-    noted = [(unequal, "muscle"), (tuned, "bundle"), (edited, "muscle")]
-    plain = [(unequal, "bundle"), (thinner, "muscle"), (TUNED, "muscle"), (TUNED, "bundle")]
+    noted = [(unequal, "muscle"), (edited, "muscle")]
+    plain = [(unequal, "bundle"), (TUNED, "muscle"), (TUNED, "bundle")]
     assert all('role="status"' in remarks_html(*case) for case in noted)
     assert not any('role="status"' in remarks_html(*case) for case in plain)
