@@ -174,7 +174,7 @@ class Bundle(Module):
         """
         P, eps = self._check_pressures(pressures), self._check_strain(strain)
         self._check_shapes(P, strain=eps)
-        forces = pressurize(self, P).unit_forces(eps)[0]
+        forces = pressurize(self, P).unit_forces_and_slopes(eps)[0]
         return forces if resistance else where(forces > 0, forces, 0.0)
 
     def free_strain(self, pressures: Values, resistance: bool = True) -> Batch:

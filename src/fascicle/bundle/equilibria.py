@@ -124,7 +124,7 @@ def _equilibria_of_block(
     batch, nodes, force = _separating_nodes(pressurized, target[:, 0], ends)
 
     def excess(strain: Numbers, index: Numbers) -> Numbers:
-        return pressurized.take(index).force(strain[:, None])[0][:, 0] - target[index, 0]
+        return pressurized.take(index).force_and_slope(strain[:, None])[0][:, 0] - target[index, 0]
 
     smooth = np.ones(len(nodes), bool)
     batch, nodes, force = insert_extrema(excess, batch, nodes, force, 0.0, smooth)
@@ -170,7 +170,7 @@ def _separating_nodes(
     batch, column = np.nonzero(wide)
     low, high, load = low[batch, column], high[batch, column], load[batch]
 
-    forces, slopes = bundles.take(batch).unit_forces(np.stack([low, high], axis=1))
+    forces, slopes = bundles.take(batch).unit_forces_and_slopes(np.stack([low, high], axis=1))
     third = (high - low)[:, None] / 3
     control = (forces[:, 0] + slopes[:, 0] * third, forces[:, 1] - slopes[:, 1] * third)
     control = np.stack([forces[:, 0], forces[:, 1], *control])
@@ -183,7 +183,7 @@ def _separating_nodes(
     values = np.zeros(strains.shape)
     values[:, [0, -1]] = forces.sum(axis=-1) - load[:, None]
     row = np.flatnonzero((lowest <= 0) & (highest >= 0))
-    inner = bundles.take(batch[row]).force(strains[row, 1:-1])[0]
+    inner = bundles.take(batch[row]).force_and_slope(strains[row, 1:-1])[0]
     values[row, 1:-1] = inner - load[row, None]
     is_node = np.zeros(strains.shape, bool)
     is_node[row], is_node[:, [0, -1]] = True, True
@@ -193,5 +193,5 @@ def _separating_nodes(
 def _falling_force(theta: tuple, strain: Numbers) -> tuple[Numbers, Numbers]:
     """Force of bundles beyond a load [N], times the sign with which it falls, and its slope [N]."""
     bundles, sign, load = theta
-    force, slope = bundles.force(strain)
+    force, slope = bundles.force_and_slope(strain)
     return sign * (force - load), sign * slope

@@ -67,7 +67,7 @@ class ForceOverLevel:
         """Strain of the muscle [-] at the `plates`' [-]."""
         return plates if self.ratio is None else muscle_strain(self.ratio, plates)
 
-    def force(self, level: Array, plates: Array, node: Array | None = None) -> Array:
+    def force_and_slope(self, level: Array, plates: Array, node: Array | None = None) -> Array:
         """Force at `level` and the `plates`' strain [-], and its slope in that strain, both [N];
         `node`: index of a level that is one of the grid's.
 
@@ -88,7 +88,7 @@ class ForceOverLevel:
                 muscle = self.law.at(pressure[resists])
             else:
                 muscle = self.nodes.take(np.broadcast_to(node, strain.shape)[resists])
-            force[resists], slope[resists] = muscle.force(strain[resists])
+            force[resists], slope[resists] = muscle.force_and_slope(strain[resists])
         return np.array([force, slope if self.ratio is None else slope * self.ratio])
 
     def kink_distance(self, kink: int, level: Array, plates: Array) -> Array:
@@ -132,15 +132,15 @@ class StateCurves:
     def force_at_nodes(self, strain: Array) -> Array:
         """Force of one muscle of each kind and its slope [N], by [2, `strain` [-], node, kind]."""
         arguments = self.levels, strain[:, None], np.arange(len(self.levels))
-        return np.stack([self._push(x.force(*arguments)) for x in self.muscles], axis=-1)
+        return np.stack([self._push(x.force_and_slope(*arguments)) for x in self.muscles], axis=-1)
 
-    def force(self, state: Array, level: Array, strain: Array) -> Array:
+    def force_and_slope(self, state: Array, level: Array, strain: Array) -> Array:
         """Force of the units that each `state` throttles, and its slope in strain, both [N]."""
         total = np.zeros((2, len(state)))
         for j, muscle in enumerate(self.muscles):
             count = self.throttled[state, j]
             if len(i := np.flatnonzero(count)):
-                total[:, i] += count[i] * self._push(muscle.force(level[i], strain[i]))
+                total[:, i] += count[i] * self._push(muscle.force_and_slope(level[i], strain[i]))
         return total
 
     def _push(self, forces: Array) -> Array:
@@ -226,65 +226,96 @@ def find_roots(
     return Roots(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _roots_of_batch(curves: StateCurves, force: Array, strain: Array, states: Array) -> Roots:
-    """Roots of demands that fit the memory, of a row of `states` each."""
-    from scipy.optimize import elementwise
+class _Searches:
+    """One search for each of the `states` of each demand: of the levels at which the force of the
+    units that it throttles is the `target` [N]. Arrays are by search; `fixed`: force and slope [N]
+    of the other units, `on_grid`: force beyond the target at the grid's nodes [N].
+    """
 
-    # a search for each demand and state, the arrays of which are by search
-    demand, column = np.indices(states.shape).reshape(2, -1)
-    state, plates = states[demand, column], strain[demand]
-    forces = curves.force_at_nodes(strain)
-    fixed = forces[:, :, 0] @ curves.vented.T + forces[:, :, -1] @ curves.full.T
-    fixed = fixed[:, demand, state]
-    target = force[demand] - fixed[0]
+    def __init__(self, curves: StateCurves, force: Array, strain: Array, states: Array):
+        self.curves, self.demands = curves, len(force)
+        self.demand, column = np.indices(states.shape).reshape(2, -1)
+        self.state, self.plates = states[self.demand, column], strain[self.demand]
+        forces = curves.force_at_nodes(strain)
+        fixed = forces[:, :, 0] @ curves.vented.T + forces[:, :, -1] @ curves.full.T
+        self.fixed = fixed[:, self.demand, self.state]
+        self.target = force[self.demand] - self.fixed[0]
+        throttled = (forces[0] @ curves.throttled.T)[self.demand, :, self.state]
+        self.on_grid = throttled - self.target[:, None]
 
-    def excess_at(level: Array, search: Array) -> Array:
-        return curves.force(state[search], level, plates[search])[0] - target[search]
+    def forces(self, level: Array, search: Array) -> Array:
+        """Force and its slope [N] of the units that each search throttles, at its `level` [-]."""
+        return self.curves.force_and_slope(self.state[search], level, self.plates[search])
 
-    def least(distance: Array, search: Array) -> Array:
-        """Least distance [N] among the searches of each demand."""
-        distances = np.full(len(force), np.inf)
-        np.minimum.at(distances, demand[search], distance)
+    def excess(self, level: Array, search: Array) -> Array:
+        """Force beyond the target [N] at the `level` [-] of each search."""
+        return self.forces(level, search)[0] - self.target[search]
+
+    def least(self, distance: Array, search: Array) -> Array:
+        """Least `distance` [N] among the searches of each demand."""
+        distances = np.full(self.demands, np.inf)
+        np.minimum.at(distances, self.demand[search], distance)
         return distances
 
-    excess = (forces[0] @ curves.throttled.T)[demand, :, state] - target[:, None]
-    slack = TIE + least(np.abs(excess).min(axis=1), np.arange(len(demand)))[demand]
-    near = _may_reach_zero(excess, slack[:, None])
-    kink_search, kink_level, is_kink = _kinks_near(curves, state, plates, near)
-    position = kink_search * len(curves.levels) + np.searchsorted(curves.levels, kink_level)
-    level = np.insert(np.tile(curves.levels, len(demand)), position, kink_level)
-    excess = np.insert(excess.ravel(), position, excess_at(kink_level, kink_search))
-    smooth = ~np.insert(np.zeros(near.shape[0] * len(curves.levels), bool), position, is_kink)
-    search = np.repeat(np.arange(len(demand)), len(curves.levels))
-    search = np.insert(search, position, kink_search)
-    search, level, excess = insert_extrema(excess_at, search, level, excess, slack[search], smooth)
+    def nodes(self) -> tuple[Array, Array, Array]:
+        """Nodes of all searches, in order, between two of which the force has one root at most:
+        index of the search, level [-], and force beyond the target [N].
+        """
+        count, levels = len(self.demand), self.curves.levels
+        every = np.arange(count)
+        slack = TIE + self.least(np.abs(self.on_grid).min(axis=1), every)[self.demand]
+        near = _may_reach_zero(self.on_grid, slack[:, None])
+        kink_search, kink_level, is_kink = _kinks_near(self.curves, self.state, self.plates, near)
+        position = kink_search * len(levels) + np.searchsorted(levels, kink_level)
+        search = np.insert(np.repeat(every, len(levels)), position, kink_search)
+        level = np.insert(np.tile(levels, count), position, kink_level)
+        excess = self.excess(kink_level, kink_search)
+        excess = np.insert(self.on_grid.ravel(), position, excess)
+        smooth = ~np.insert(np.zeros(self.on_grid.size, bool), position, is_kink)
+        return insert_extrema(self.excess, search, level, excess, slack[search], smooth)
 
-    tolerance = (ROOT_TOLERANCE + _SUM_ROUNDING * np.abs(target))[search]
+
+def _roots_of_batch(curves: StateCurves, force: Array, strain: Array, states: Array) -> Roots:
+    """Roots of demands that fit the memory, of a row of `states` each."""
+    searches = _Searches(curves, force, strain, states)
+    search, level, excess = searches.nodes()
+    exact_search, exact_level = _exact_roots(searches, search, level, excess)
+
+    distance, owner = np.abs(excess), searches.demand[search]
+    nearest = searches.least(distance, search)
+    nearest[searches.demand[exact_search]] = -np.inf  # a demand that is met
+    ties = np.flatnonzero(distance <= nearest[owner] + TIE)
+    first = ties[run_starts(owner[ties])]
+    exact = np.arange(len(exact_search) + len(first)) < len(exact_search)
+    search, level = np.append(exact_search, search[first]), np.append(exact_level, level[first])
+    order = np.lexsort((level, search))
+    search, level = search[order], level[order]
+    forces = searches.forces(level, search) + searches.fixed[:, search]
+    return Roots(searches.demand[search], searches.state[search], level, exact[order], *forces)
+
+
+def _exact_roots(
+    searches: _Searches, search: Array, level: Array, excess: Array
+) -> tuple[Array, Array]:
+    """Search and level [-] of each root, by the nodes of all searches: nodes that meet the demand,
+    and changes of sign between two that don't.
+    """
+    from scipy.optimize import elementwise
+
+    tolerance = (ROOT_TOLERANCE + _SUM_ROUNDING * np.abs(searches.target))[search]
     meets, linked = np.abs(excess) <= tolerance, search[1:] == search[:-1]
     # a run of nodes that all meet the demand counts once, by its first
     first = meets.copy()
     first[1:] &= ~(meets[:-1] & linked)
     # an endpoint that is an earlier state's, too, counts there
-    owns_start, owns_end = (x[state[search]] for x in curves.owns_endpoints)
+    owns_start, owns_end = (x[searches.state[search]] for x in searches.curves.owns_endpoints)
     first &= ((level > 0) | owns_start) & ((level < 1) | owns_end)
     changes = linked & ~meets[:-1] & ~meets[1:] & ((excess[:-1] > 0) != (excess[1:] > 0))
     i = np.flatnonzero(changes)
-    crossing = elementwise.find_root(excess_at, (level[i], level[i + 1]), args=(search[i],))
+    crossing = elementwise.find_root(searches.excess, (level[i], level[i + 1]), args=(search[i],))
     crosses = np.abs(crossing.f_x) <= tolerance[i]  # else the force jumps past the demand
-    roots = [np.append(search[first], search[i[crosses]])]
-    roots += [np.append(level[first], crossing.x[crosses])]
-
-    distance, owner = np.abs(excess), demand[search]
-    nearest = least(distance, search)
-    nearest[demand[roots[0]]] = -np.inf  # a demand that is met
-    ties = np.flatnonzero(distance <= nearest[owner] + TIE)
-    first = ties[run_starts(owner[ties])]
-    exact = np.arange(len(roots[0]) + len(first)) < len(roots[0])
-    search, level = np.append(roots[0], search[first]), np.append(roots[1], level[first])
-    order = np.lexsort((level, search))
-    search, level = search[order], level[order]
-    forces = curves.force(state[search], level, plates[search]) + fixed[:, search]
-    return Roots(demand[search], state[search], level, exact[order], *forces)
+    roots = np.append(search[first], search[i[crosses]])
+    return roots, np.append(level[first], crossing.x[crosses])
 
 
 def _kinks_near(

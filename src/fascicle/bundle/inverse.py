@@ -218,7 +218,9 @@ def _least_energy(
         # the lowest level that gives the force, or the nearest one
         level[index, throttled] = roots.level[run_starts(roots.demand)]
         all_units = np.tile(np.arange(units), len(index))
-        forces = curves.force(all_units, level[index].ravel(), np.repeat(strain[index], units))
+        forces = curves.force_and_slope(
+            all_units, level[index].ravel(), np.repeat(strain[index], units)
+        )
         value[index], slope[index] = forces.reshape(2, -1, units).sum(axis=2)
         missed = is_reached & (np.abs(value - force) > tolerance)
         index = np.flatnonzero(missed & candidates.any(axis=1))

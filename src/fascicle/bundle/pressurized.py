@@ -67,16 +67,16 @@ class PressurizedBundle(Module):
             values.append(function(group, *arguments))
         return self._in_order(values)
 
-    def unit_forces(self, strain: Numbers) -> tuple[Numbers, Numbers]:
+    def unit_forces_and_slopes(self, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force of each unit [N], all its muscles, at `strain` [-], and its slope [N]."""
-        force, slope = self.map_units_over_strain(lambda muscle, eps: muscle.force(eps), strain)
+        force, slope = self.map_units_over_strain(PressurizedMuscle.force_and_slope, strain)
         if self.ratios is not None:
             slope = slope * self.ratios
         return self.counts * force, self.counts * slope
 
-    def force(self, strain: Numbers) -> tuple[Numbers, Numbers]:
+    def force_and_slope(self, strain: Numbers) -> tuple[Numbers, Numbers]:
         """Force of all units [N] at `strain` [-], (U1), and its slope in strain [N]."""
-        forces, slopes = self.unit_forces(strain)
+        forces, slopes = self.unit_forces_and_slopes(strain)
         total = array_namespace(forces).sum
         return total(forces, axis=-1), total(slopes, axis=-1)
 

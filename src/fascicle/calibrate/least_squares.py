@@ -191,7 +191,7 @@ class Problem:
             if self.pulls:
                 force = law.tension.force(P[..., level], strain)
             else:
-                force = law.at(P).take(level).force(strain)[0]
+                force = law.at(P).take(level).pulling_force(strain)
         force = force[..., place]
         if gauge is not base:
             used = self.grid.used

@@ -90,7 +90,7 @@ def static_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
     shape = np.broadcast_shapes(np.shape(pressure), np.shape(strain))
     P, eps = (np.broadcast_to(values, shape)[..., None] for values in (pressure, strain))
     with np.errstate(all="ignore"):  # unused branches of the law
-        return muscle.law.at(P).force(eps)[0][..., 0]
+        return muscle.law.at(P).pulling_force(eps)[..., 0]
 
 
 def invert_force(muscle: Muscle, pressure: Batch, force: Batch) -> Batch:

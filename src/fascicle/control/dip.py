@@ -133,7 +133,7 @@ def _added_force(bundle: Bundle, unit: int, pressure: Batch, strain: Batch) -> B
         motor_unit.muscle.law.at(P) for P in (pressure + 0.0 * strain, 0.0 * strain)
     )
     with np.errstate(all="ignore"):  # of branches that aren't selected
-        return motor_unit.count * (pressurized.force(strain)[0] - empty.force(strain)[0])
+        return motor_unit.count * (pressurized.pulling_force(strain) - empty.pulling_force(strain))
 
 
 def _dip(

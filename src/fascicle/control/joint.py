@@ -249,7 +249,7 @@ def _pull(bundle: Bundle, pressure: Numbers, strain: Numbers) -> tuple[Numbers, 
     with np.errstate(all="ignore"):  # of branches that aren't selected
         for number, unit in enumerate(bundle.motor_units, start=1):
             muscle = unit.muscle.law.at(pressure + 0.0)
-            pull, slope = muscle.force(unit_strain(bundle, number, strain))
+            pull, slope = muscle.force_and_slope(unit_strain(bundle, number, strain))
             force = force + unit.count * pull
             stiffness = stiffness - unit.count * slope / float(unit.muscle.length)
     return force, stiffness

@@ -166,7 +166,7 @@ def _force_curves(
         force = _tension_force(law, pressure, strain[:, None, None])
         # only where a muscle pushes: the law of buckling takes longest
         point, level = np.nonzero((force == -np.inf).any(axis=1))
-        pushes = law.at(pressure).take(level).force(strain[point])[0]
+        pushes = law.at(pressure).take(level).pulling_force(strain[point])
     force[point, :, level] = pushes.T
     return top, np.moveaxis(force, -1, 0)
 
@@ -189,11 +189,11 @@ def force_table(
     with np.errstate(all="ignore"):  # in branches of the law that a point doesn't take
         vented = law.at(zero)
         if largest_only:
-            vented_force = vented.force(strain)[0]
+            vented_force = vented.pulling_force(strain)
             full, largest = _largest_force(drawing, sizes, supply, strain, vented_force, resolution)
             levels = largest[None]
         else:
-            levels = law.at(resolution.level[:, None, None] * supply + zero).force(strain)[0]
+            levels = law.at(resolution.level[:, None, None] * supply + zero).pulling_force(strain)
             vented_force, full = levels[0], levels[-1]
         if "size" in needs:
             largest = strain.max(axis=0)
@@ -227,7 +227,7 @@ def _largest_force(
     for block in slices(index.size, max(1, _BATCH // len(pressure))):
         i, j = point[block], index[block]
         pressurized = scaled_muscle(drawing, sizes[j]).law.at(pressure[:, 0] + zero[j])
-        force = pressurized.force(strain[i, j])[0]
+        force = pressurized.pulling_force(strain[i, j])
         full[i, j], largest[i, j] = force[-1], np.maximum(largest[i, j], force.max(axis=0))
     return full, largest
 

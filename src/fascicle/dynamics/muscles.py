@@ -139,7 +139,7 @@ def _exact_surface(muscles: Muscle, pressure: Numbers, strain: Numbers) -> Muscl
         return jax.jvp(lambda P: coenergy(muscles.law.at(P), strain), (P,), (one_pascal,))
 
     def force_and_slope(P: Numbers) -> tuple[Numbers, Numbers]:
-        return muscles.law.at(P).force(strain)
+        return muscles.law.at(P).force_and_slope(strain)
 
     (value, volume), (_, volume_by) = jax.jvp(coenergy_and_volume, (pressure,), (one_pascal,))
     (pull, slope), (by_pressure, _) = jax.jvp(force_and_slope, (pressure,), (one_pascal,))

@@ -165,18 +165,18 @@ class PressurizedMuscle(NamedTuple):
         return stack([self.column.free_strain, self.onset, self.collapse_strain])
 
     @_untaken
-    def force(self, strain: Batch) -> tuple[Batch, Batch]:
+    def force_and_slope(self, strain: Batch) -> tuple[Batch, Batch]:
         """Force [N] and its slope in strain [N], at `strain` [-]."""
         (mesh, bladder, bending), slope, _ = self._forces(strain)
         return mesh + bladder + bending, slope
 
     def pulling_force(self, strain: Batch) -> Batch:
         """Force [N] at `strain` [-], without its slope."""
-        return self.force(strain)[0]
+        return self.force_and_slope(strain)[0]
 
     def stiffness(self, strain: Batch) -> Batch:
         """Stiffness $-(\\partial F/\\partial\\varepsilon)/L_0$ [N/m] at `strain` [-]."""
-        return -self.force(strain)[1] / self.column.rest_length
+        return -self.force_and_slope(strain)[1] / self.column.rest_length
 
     @_untaken
     def response(self, strain: Batch) -> Response:

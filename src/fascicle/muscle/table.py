@@ -272,7 +272,7 @@ def _coenergy_and_slope(law: Piecewise, pressure: np.ndarray, strain: np.ndarray
     work = integrate_force(at, grid, _POINTS)
     work = work - work[np.argmin(np.abs(strain))]
     coenergy = coenergy_at_rest(at) + at.column.rest_length * work
-    return np.stack([coenergy.T, at.column.rest_length * at.force(grid)[0].T])
+    return np.stack([coenergy.T, at.column.rest_length * at.pulling_force(grid).T])
 
 
 def _coefficients(nodes: list[np.ndarray], roots: np.ndarray, strain: np.ndarray) -> np.ndarray:
@@ -333,7 +333,7 @@ def _force_errors(table: MuscleTable, law: Piecewise) -> list[np.ndarray]:
     kinks = [np.broadcast_to(k, P.shape) for k in (*at.kinks, *at.law.buckling.folds(at.column))]
     beside = np.concatenate(kinks, axis=1)[..., None] + _BESIDE * np.array([-1.0, 1.0])
     beside = np.clip(beside.reshape(len(P), -1), low, high)
-    return [np.abs(table.lookup_at(P, x).force - at.force(x)[0]) for x in (eps, beside)]
+    return [np.abs(table.lookup_at(P, x).force - at.pulling_force(x)) for x in (eps, beside)]
 
 
 def volume_errors(table: MuscleTable, law: Piecewise) -> np.ndarray:
@@ -351,7 +351,7 @@ def slope_errors(table: MuscleTable, law: Piecewise, strain: np.ndarray) -> np.n
     """Errors of the force's slope by strain of a `table` [N], rows by pressure, at `strain` [-]."""
     P = _check_points(table)[0][:, None]
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        return table.lookup_at(P, strain).force_by_strain - law.at(P).force(strain)[1]
+        return table.lookup_at(P, strain).force_by_strain - law.at(P).force_and_slope(strain)[1]
 
 
 def default_strains(law: Piecewise) -> tuple[float, float]:
