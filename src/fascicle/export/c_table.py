@@ -42,7 +42,7 @@ from .c_files import (
     render_template,
     table_strains,
 )
-from .joint_table import joint_values, stiffness_errors, stiffness_rounding
+from .joint_table import joint_errors, joint_values, stiffness_rounding
 
 
 if TYPE_CHECKING:
@@ -316,18 +316,20 @@ def _error_text(tables: BundleTables, muscles: Sequence[Muscle]) -> str:
         f" (largest);\nvolume {volume[0]:.1g} mL (median), {volume[1]:.1g} mL (99th percentile),"
         f" {_up(volume[2])} mL (largest)."
     )
-    # muscles at one strain may err the same way, whatever their pressures
-    largest = np.dot(tables.counts, [tables.surfaces[kind].errors[2] for kind in tables.kinds])
     joint = tables.target
-    if np.sum(tables.counts) > 1:
-        text += f"\nAll muscles together: force {_up(largest)} N (the sum of the largest)."
     if isinstance(joint, Joint):
-        median, most, stiffness = stiffness_errors(tables, joint, muscles)
+        errors = joint_errors(tables, joint, muscles)
+        torque, stiffness = (list(map(_up, pair)) for pair in (errors.torque, errors.stiffness))
         text += (
-            f"\nThe joint: torque {_up(joint.moment_arm * largest)} N m (the sum of the largest);"
-            f" stiffness, valves open,\n{median:.1g} N m/rad (median), {most:.1g} N m/rad (99th"
-            f" percentile), {_up(stiffness)} N m/rad (largest)."
+            f"\nThe joint: torque {torque[0]} N m (largest in the inner half of the angles),"
+            f" {torque[1]} N m (largest);\nstiffness, valves open, {errors.median:.1g} N m/rad"
+            f" (median), {errors.most:.1g} N m/rad (99th percentile),\n{stiffness[0]} N m/rad"
+            f" (largest in the inner half of the angles), {stiffness[1]} N m/rad (largest)."
         )
+    elif np.sum(tables.counts) > 1:
+        # muscles at one strain may err the same way, whatever their pressures
+        largest = np.dot(tables.counts, [tables.surfaces[kind].errors[2] for kind in tables.kinds])
+        text += f"\nAll muscles together: force {_up(largest)} N (the sum of the largest)."
     if tables.precision == "float":
         text += f"\nIts rounding adds up to {max(map(_rounding_error, tables.surfaces)):.1g} N"
         if isinstance(joint, Joint):

@@ -347,13 +347,6 @@ def volume_errors(table: MuscleTable, law: Piecewise) -> np.ndarray:
     return np.abs(volume - by_pressure)
 
 
-def slope_errors(table: MuscleTable, law: Piecewise, strain: np.ndarray) -> np.ndarray:
-    """Errors of the force's slope by strain of a `table` [N], rows by pressure, at `strain` [-]."""
-    P = _check_points(table)[0][:, None]
-    with np.errstate(all="ignore"):  # of branches that aren't taken
-        return table.lookup_at(P, strain).force_by_strain - law.at(P).force_and_slope(strain)[1]
-
-
 def default_strains(law: Piecewise) -> tuple[float, float]:
     """Ends of the table of a muscle's `law` [-], if none are given."""
     straight = float(lowest_strain(law))

@@ -39,15 +39,12 @@ def build(compile_c, tmp_path):
 
 
 def stated_errors(joint, **options):
-    """Largest error of the torque [N·m]; median, 99 % and largest error of the stiffness [N·m/rad];
-    rounding of both in single precision.
+    """Largest errors of the torque [N·m], in the inner half of the angles and at all; median, 99 %
+    and both largest errors of the stiffness [N·m/rad]; roundings of both in single precision.
     """
-    header = table_code(joint, "elbow", **options)[0].replace("\n *", "")
-    pattern = r"torque ([\d.e+-]+) N m.*?, +([\d.e+-]+) .*?, ([\d.e+-]+) .*?, ([\d.e+-]+) N m/rad"
-    numbers = list(re.search(pattern, header).groups())
-    if rounding := re.search(r"of the joint to ([\d.e+-]+) N m and ([\d.e+-]+) N m/rad", header):
-        numbers += rounding.groups()
-    return [float(number) for number in numbers]
+    header = table_code(joint, "elbow", **options)[0]
+    text = header[header.index("The joint:") : header.index("#ifndef")]
+    return [float(number) for number in re.findall(r"([\d.e+-]+) N m", text)]
 
 
 def pressures_in_c(library, angle, torque, stiffness, supply, kind=DOUBLE):
@@ -92,7 +89,7 @@ def test_a_torque_and_a_stiffness_of_an_independent_computation(joint, build):
     status, P, *reached = pressures_in_c(build(joint), angle, 5.0, 60.0, 1e6)
     assert status == JointStatus.REACHED
     np.testing.assert_allclose(np.ravel(reached), [5.0, 60.0], rtol=ROUNDING)
-    torque, median, *_ = stated_errors(joint)
+    torque, _, median, *_ = stated_errors(joint)
     assert abs(torque_of(joint, P, angle) - 5.0) <= torque
     assert abs(joint.stiffness(*P, angle) - 60.0) <= median
     # the law's own pressures are apart by these errors over its slopes there
@@ -117,13 +114,14 @@ def test_it_chooses_as_python_does_on_the_law(count, joint, build):
     met = status == JointStatus.REACHED
     np.testing.assert_allclose(reached[0][met], torque[met], atol=ROUNDING)
     np.testing.assert_allclose(reached[1][met], stiffness[met], atol=ROUNDING * 600)
-    errors = stated_errors(joint)
+    inner_torque, largest_torque, *errors = stated_errors(joint)
+    inner = np.abs(angle) < 0.59  # of 1.19
     # the law's torque and stiffness at these pressures, of the demand or of what is the nearest
     miss = np.abs(torque_of(joint, P, angle) - reached[0])
-    assert np.max(miss) <= errors[0]
+    assert np.max(miss) <= largest_torque and np.max(miss[inner]) <= inner_torque
     miss = np.abs(joint.stiffness(*P, angle) - reached[1])
-    assert np.median(miss) <= errors[1] and np.quantile(miss, 0.99) <= errors[2]
-    assert np.max(miss) <= errors[3]
+    assert np.median(miss) <= errors[0] and np.quantile(miss, 0.99) <= errors[1]
+    assert np.max(miss) <= errors[3] and np.max(miss[inner]) <= errors[2]
     same = status == expected.status
     full = same & (status == JointStatus.TORQUE_OUT_OF_REACH)
     np.testing.assert_array_equal(P[:, full], np.stack(expected[:2])[:, full])
@@ -141,7 +139,7 @@ def test_a_weak_supply_reaches_the_same_torques(strain, thick, build):
     expected = pair.pressures(*demand)
     assert np.mean(status == expected.status) > 0.95 and len(set(status)) > 1
     same = status == expected.status
-    largest = stated_errors(pair)[0]
+    largest = stated_errors(pair)[1]
     np.testing.assert_allclose(reached[0][same], expected.torque[same], rtol=0, atol=largest)
     beyond = same & (status == JointStatus.TORQUE_OUT_OF_REACH)
     np.testing.assert_array_equal(P[:, beyond], np.stack(expected[:2])[:, beyond])
@@ -152,12 +150,12 @@ def test_bundles_have_one_pressure_and_another_supply_is_a_lower_one(unlike, bui
     rng = np.random.default_rng(5)
     angle, P = rng.uniform(-0.5, 0.5, 40), rng.uniform(0, 3e5, (2, 40))
     torque, *stiffness = state_in_c(library, P, angle)
-    errors = stated_errors(unlike)
-    assert np.max(np.abs(torque - torque_of(unlike, P, angle))) <= errors[0]
+    _, largest, *errors = stated_errors(unlike)
+    assert np.max(np.abs(torque - torque_of(unlike, P, angle))) <= largest
     for value, valves in zip(stiffness, ("open", "shut"), strict=True):
         miss = np.abs(value - unlike.stiffness(*P, angle, valves=valves))
         # what the gas adds is smooth: its error is far below that of the force's second slope
-        assert np.max(miss) <= errors[3] and np.median(miss) <= errors[2]
+        assert np.max(miss) <= errors[3] and np.median(miss) <= errors[1]
     # the pressures themselves may be others: an antagonist in its dip isn't asked for
     for supply in (3e5, 1.5e5):
         status, P, *reached = pressures_in_c(library, angle, torque, stiffness[0], supply)
