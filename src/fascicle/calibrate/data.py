@@ -91,7 +91,7 @@ class FitData:
     - `faults`: of the record's channels.
     - `at_ceiling`: mask of the clipped readings that limit the force from below; `None`: no such.
     - `gauge`: errors of the gauges that the readings were corrected for.
-    - `gauge_deviations`: standard deviations [SI] of those that readings without pressure show.
+    - `zeros`: errors that readings without pressure show, with standard deviations [SI], by name.
     - `at_rest`: mask of the readings without pressure that show an error of the load cell.
     - `turning`: mask of the readings after a turn of their sweep, where friction still builds up.
     - `reads_contraction`: loads were set and contractions read: their error counts.
@@ -110,7 +110,7 @@ class FitData:
     faults: tuple[ChannelFault, ...] = ()
     at_ceiling: np.ndarray | None = None
     gauge: Gauge = PERFECT
-    gauge_deviations: Mapping[str, float] = field(default_factory=dict)
+    zeros: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     at_rest: np.ndarray | None = None
     turning: np.ndarray | None = None
     reads_contraction: bool = False
@@ -231,9 +231,9 @@ def select_fit_data(record: Record, muscle: Muscle | None = None) -> FitData:
     data = fit_table(record, **facts, reads_contraction=has_set_loads(record))
     if muscle is None:
         return data
-    length, (gauge, deviations, at_rest) = float(muscle.length), read_vented(data.record, muscle)
+    length, (gauge, zeros, at_rest) = float(muscle.length), read_vented(data.record, muscle)
     facts = {"at_rest": at_rest, "turning": after_turns(data.record, length)}
-    return replace(data, gauge_deviations=deviations, **facts).corrected(gauge, length)
+    return replace(data, zeros=zeros, **facts).corrected(gauge, length)
 
 
 def has_set_loads(record: Record) -> bool:

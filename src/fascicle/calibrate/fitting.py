@@ -142,15 +142,12 @@ def fit_data(
         data = pulling_only(data)
     problem, readings = set_up_problem(data, muscle, parameters, priors or {}, options)
     solution = solve_problem(problem, readings, options)
-    data, solution = _with_corrected_readings(data, solution)
-    calibration = _calibration(data, solution)
+    calibration = _calibration(*_with_corrected_readings(data, solution))
     calibration = replace(calibration, diagnosis=diagnose(calibration))
-    return _with_binding_priors(calibration, data, priors or {})
+    return _with_binding_priors(calibration, priors or {})
 
 
-def _with_binding_priors(
-    calibration: Calibration, data: FitData, priors: Mapping[str, Prior]
-) -> Calibration:
+def _with_binding_priors(calibration: Calibration, priors: Mapping[str, Prior]) -> Calibration:
     """The `calibration`, or a fit in which readings weigh as much as the model's error lets them.
 
     By their scatter alone readings may outweigh a prior though the model's error makes the constant
@@ -165,7 +162,8 @@ def _with_binding_priors(
     weight = problem.weight / np.max(calibration.wider[loose])
     loosened = replace(problem, weight=weight)
     solution = solve_with_noise(loosened, calibration.coordinates[None], tolerance=ROUGH)
-    bound = replace(_calibration(data, solution), start=calibration.start)
+    bound = _calibration(*_with_corrected_readings(calibration.fit_data, solution))
+    bound = replace(bound, start=calibration.start)
     error_in_weights = {"inflation": 1.0, "from_pressure": 0.0, "covariance": 0.0}
     return replace(bound, diagnosis=replace(diagnose(bound), **error_in_weights))
 
@@ -245,12 +243,10 @@ def gauge_priors(data: FitData, length: float, only_pulls: bool) -> dict[str, Pr
     grid, names = data.grid, GAUGE_NAMES
     if not (only_pulls or data.gauge.force_zero):
         names = ("pressure_zero",)
-    vented = {name: d for name, d in data.gauge_deviations.items() if name in names}
     usual = default_deviations(grid.force, grid.pressure, grid.elapsed, length)
-    return {
-        name: Prior(float(getattr(data.gauge, name)), min(deviation, vented.get(name, np.inf)))
-        for name, deviation in usual.items()
-    }
+    priors = {name: Prior(float(getattr(data.gauge, name)), d) for name, d in usual.items()}
+    vented = {name: Prior(*data.zeros[name]) for name in data.zeros.keys() & names}
+    return priors | {n: p for n, p in vented.items() if p.deviation < usual[n]}
 
 
 def _with_corrected_readings(data: FitData, solution: Solution) -> tuple[FitData, Solution]:

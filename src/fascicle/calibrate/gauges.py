@@ -8,9 +8,10 @@ $$F' = s\, F(P, x) + F_0 + d\,(t - t_0), \qquad P' = P + P_0, \qquad x' = x + x_
 A fit may free these five numbers beside the muscle's constants; they are no part of the muscle.
 A muscle without pressure can't pull, and at its rest length it doesn't push: what the gauges read
 then is their zero. A little shorter it pushes, between nothing, if it gives way, and what a
-straight muscle would. These readings come first: they correct the record before the fit if a zero
-or a drift exceeds their noise wherever the push lies in that range. What the muscle does further on
-tells nothing of the gauges: a column that folds earlier than the law's would look like a zero.
+straight muscle would, and the braid's friction leaves a force of either sign, half a loop wide.
+These readings come first: they correct the record before the fit if a zero or a drift exceeds noise
+and friction wherever the push lies in that range. What the muscle does further on tells nothing of
+the gauges: a column that folds earlier than the law's would look like a zero.
 
 Faults of a channel are properties of its readings, whatever the muscle: many readings exactly at
 one end of a range.
@@ -31,6 +32,7 @@ import numpy as np
 from ..core.module import to_numpy
 from ..core.types import Batch
 from ..muscle import Muscle
+from ..records.hysteresis import averaged
 from ..records.record import DOWN, UP, Record
 
 
@@ -122,50 +124,66 @@ def default_deviations(
     }
 
 
-def read_vented(record: Record, muscle: Muscle) -> tuple[Gauge, dict[str, float], np.ndarray]:
-    """Gauge with the errors that a record's readings without pressure show significantly, standard
-    deviations of all that they determine [SI], but of channels whose zero was given, and a mask of
-    those that tell the load cell's. The stiffness of the `muscle` bounds its push near the rest
-    length.
+def read_vented(
+    record: Record, muscle: Muscle
+) -> tuple[Gauge, dict[str, tuple[float, float]], np.ndarray]:
+    """Gauge with the errors that a record's readings without pressure show significantly, values
+    and standard deviations of all that they determine [SI], but of channels whose zero was given,
+    and a mask of those that tell the load cell's. The stiffness of the `muscle` bounds its push
+    near the rest length.
     """
     start = 0.0 if record.time is None else float(np.min(record.time))
     top = float(np.max(record.pressure))
-    vented = (record.pressure <= VENTED * top) & (record.strain >= _STRETCHED) & ~record.censored
-    zeros, deviations, count = {}, {}, int(np.sum(vented))
+    is_vented = (record.pressure <= VENTED * top) & (record.strain >= _STRETCHED)
+    vented = np.flatnonzero(is_vented & ~record.censored)
+    gauge, zeros = Gauge(start=start), dict[str, tuple[float, float]]()
     of_load_cell = np.zeros(len(record), dtype=bool)
-    if top > 0 and count >= _MIN_VENTED and "pressure" not in record.zeroed:
-        P = record.pressure[vented]
-        # of a transducer that writes its noise without the negative half, below its deviation
+    if not (top > 0 and vented.size):
+        return gauge, zeros, of_load_cell
+    # what is left of a pressure still leaves the muscle in the first half of a visit
+    settled = np.concatenate([visit[visit.size // 2 :] for visit in _visits(vented)])
+    if settled.size >= _MIN_VENTED and "pressure" not in record.zeroed:
+        P = record.pressure[settled]
         zero, scatter = float(np.mean(P)), float(np.std(P, ddof=1))
         # a zero that never changed is not exact: at least 1e-5 of the highest pressure
-        deviations["pressure_zero"] = max(scatter / np.sqrt(count), 1e-5 * top)
-        if abs(zero) > max(scatter, CLEAR * deviations["pressure_zero"]):
-            zeros["pressure_zero"] = zero
-    if top > 0 and count and "force" not in record.zeroed:
-        clear, known, used = _read_load_cell(record, muscle, np.flatnonzero(vented))
-        zeros, deviations = zeros | clear, deviations | known
+        deviation = max(scatter / np.sqrt(P.size), 1e-5 * top)
+        if abs(zero) > max(scatter, CLEAR * deviation):
+            gauge = replace(gauge, pressure_zero=zero)
+        elif np.min(P) >= 0:  # a transducer may write its noise without the negative half
+            zero, deviation = 0.0, float(np.hypot(deviation, zero))
+        zeros["pressure_zero"] = zero, deviation
+    if "force" not in record.zeroed:
+        clear, read, used = _read_load_cell(record, muscle, vented)
+        gauge, zeros = replace(gauge, **clear), zeros | read
         of_load_cell[used] = bool(clear)
-    return Gauge(**zeros, start=start), deviations, of_load_cell
+    return gauge, zeros, of_load_cell
+
+
+def _visits(points: np.ndarray) -> list[np.ndarray]:
+    """Indices of readings, parted where the record has others between them."""
+    return np.split(points, np.flatnonzero(np.diff(points) > 1) + 1)
 
 
 def _read_load_cell(
     record: Record, muscle: Muscle, vented: np.ndarray
-) -> tuple[dict[str, float], dict[str, float], np.ndarray]:
+) -> tuple[dict[str, float], dict[str, tuple[float, float]], np.ndarray]:
     """Clear zero and drift of the load cell from the `vented` readings next to the rest length,
-    standard deviations of what they determine [SI], by name, and the readings. However the column
-    buckles, it pushes no harder than a straight muscle: an error counts if it is clear with this
-    push and without.
+    values and standard deviations of what they determine [SI], by name, and the readings. However
+    the column buckles, it pushes no harder than a straight muscle: an error counts if it is clear
+    with this push and without, beside half a loop's width.
     """
     scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
     strain = np.maximum(record.strain * scale, 0.0)
-    straight = abs(float(to_numpy(muscle).law.tension.force(0.0, _SMALL_STRAIN))) / _SMALL_STRAIN
+    # a law without rubber has a wall all the same
+    straight = to_numpy(muscle.replace(tension="klute_hannaford", tuning=None)).law.tension
+    stiffness = abs(float(straight.force(0.0, _SMALL_STRAIN))) / _SMALL_STRAIN
     noise = reading_noise(record.force)
     # as many of the least strains as show the smallest zero: more have less noise, but push more
     order = vented[np.argsort(strain[vented], kind="stable")]
     size = np.arange(1, order.size + 1)
-    range_width = _STIFFER * straight * np.cumsum(strain[order]) / size
+    range_width = _STIFFER * stiffness * np.cumsum(strain[order]) / size
     first = order[: int(np.argmin(CLEAR * noise / np.sqrt(size) + range_width)) + 1]
-    push = _STIFFER * straight * strain[first]
+    push = _STIFFER * stiffness * strain[first]
     basis, names = np.ones((first.size, 1)), ["force_zero"]
     if record.time is not None and record.has_one_clock:
         elapsed = record.time[first] - np.min(record.time)
@@ -173,7 +191,9 @@ def _read_load_cell(
             basis, names = np.insert(basis, 1, elapsed, axis=1), [*names, "force_drift"]
     inverse = np.linalg.pinv(basis)
     without_push, with_push = inverse @ record.force[first], inverse @ (record.force[first] + push)
-    by_noise = noise * np.sqrt(np.sum(inverse**2, axis=1))
+    # friction that the braid was left in is the same for all of them, of either sign
+    friction = _vented_width(record) / 2 * np.sum(inverse, axis=1)
+    by_noise = np.hypot(noise * np.sqrt(np.sum(inverse**2, axis=1)), friction)
     clear = np.minimum(np.abs(without_push), np.abs(with_push)) > CLEAR * by_noise
     clear &= np.sign(without_push) == np.sign(with_push)
     middle, half = (without_push + with_push) / 2, np.abs(with_push - without_push) / 2
@@ -181,9 +201,20 @@ def _read_load_cell(
     deviation = np.hypot(by_noise, half / np.sqrt(3))
     if clear[-1]:  # a drift is the change of a zero
         clear[:] = True
-    values = dict(zip(names, middle.tolist(), strict=True))
-    zeros = {name: values[name] for name, sure in zip(names, clear, strict=True) if sure}
-    return zeros, dict(zip(names, deviation.tolist(), strict=True)), first
+    zeros = dict(zip(names, zip(middle.tolist(), deviation.tolist(), strict=True), strict=True))
+    errors = {name: zeros[name][0] for name, sure in zip(names, clear, strict=True) if sure}
+    return errors, zeros, first
+
+
+def _vented_width(record: Record) -> float:
+    """Mean width [N] of a record's hysteresis loops without pressure; 0 where it has none."""
+    try:
+        half_way = averaged(record)
+    except ValueError:  # no sweeps in it
+        return 0.0
+    vented = half_way.record.pressure <= VENTED * np.max(record.pressure)
+    width = half_way.width[vented & np.isfinite(half_way.width)]
+    return max(float(np.mean(width)), 0.0) if width.size else 0.0
 
 
 def drift_confounders(record: Record) -> list[str]:
