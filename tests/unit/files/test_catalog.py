@@ -1,7 +1,6 @@
 """Catalogs: from what a data sheet says to muscles and products."""
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
@@ -114,21 +113,3 @@ def test_catalog_file_with_its_own_muscles(tmp_path):
     a, b = load_task(tmp_path / "task.toml").space.drawings.values()
     assert float(a.tuning.youngs_modulus_factor) == 1.25
     assert float(b.tuning.youngs_modulus_factor) == 1.0
-
-
-@pytest.mark.parametrize(
-    ("more", "argument"),
-    [
-        ('catalog = "festo_dmps"\n', "design.catalog"),
-        (THIN.replace("name", "nmae"), "design.catalog[0].nmae"),
-        (THIN + 'outer_diameter = "3 mm"\n', "design.catalog[0].outer_radius"),
-        (THIN + THIN, "design.catalog[1].name"),
-        (THIN + 'wall_thickness = "6 mm"\n', "design.catalog[0].wall_thickness"),
-        (THIN + 'least_length = "1 m"\nmost_length = "0.5 m"\n', "design.catalog[0].least_length"),
-        (THIN.replace('"25 %"', '"125 %"'), "design.catalog[0].largest_strain"),
-        (THIN + THIN.replace("thin", "b").replace("12 EUR", "12 USD").replace("10 EUR", "1 USD"),
-         "design.catalog[1]"),
-    ],
-)  # fmt: skip
-def test_invalid_catalogs_are_one_line(refusal, more, argument):
-    assert argument == refusal(loads_task, PLAIN + more)

@@ -8,7 +8,6 @@ import pytest
 
 import fascicle as fs
 from fascicle.design import answer_search, search
-from fascicle.files import example_text
 from fascicle.files.measured_muscles import read_entry
 from fascicle.files.task import loads_task
 from refusing import refuses
@@ -154,18 +153,3 @@ def test_the_template_is_an_entry():
     # the keys in comments are valid, too
     text = re.sub(r"^# (record|rmse|relative_rmse)", r"\1", entry.toml, flags=re.MULTILINE)
     assert read_entry(text, "template").record_file == "NAME.csv"
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "argument"),
-    [
-        ("[entry]", "[entrie]", "entry"),
-        ('license = "CC BY 4.0"', "", "entry.license"),
-        ('"https://doi.org/10.3390/act10030042"', '"the paper"', "entry.url"),
-        ('["0 kPa", "413.7 kPa"]', "[0, 413.7]", "entry.pressure"),
-    ],
-)  # fmt: skip
-def test_a_bad_entry_is_one_line(refusal, old, new, argument):
-    text = example_text("kim2021-fam-1")
-    assert old in text
-    assert argument == refusal(read_entry, text.replace(old, new, 1))

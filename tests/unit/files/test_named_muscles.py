@@ -64,7 +64,8 @@ def test_what_names_none_is_one_line(folder):
             load(folder, text)
 
 
-def test_a_text_from_elsewhere_names_no_files(folder, monkeypatch, refusal):
+def test_a_text_from_elsewhere_names_no_files(folder, monkeypatch):
     monkeypatch.chdir(folder)
     assert loads('format = 1\nmuscle = "kim2021_figure_6"') == fs.example("kim2021_figure_6")
-    assert refusal(loads, 'format = 1\nmuscle = "fit/muscle.toml"') == "muscle"
+    with refuses("muscle"):
+        loads('format = 1\nmuscle = "fit/muscle.toml"')

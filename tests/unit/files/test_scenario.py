@@ -16,9 +16,8 @@ from fascicle.files.scenario import scenario_from_dict
 from refusing import refuses
 
 
-GAS, OIL, JOINT, DRY, PUMPED, RAMP = map(
-    example_text,
-    ("lift_gas", "lift_oil", "joint_step", "supply_runs_dry", "supply_is_pumped", "ramp_hand_over"),
+GAS, OIL, JOINT, PUMPED, RAMP = map(
+    example_text, ("lift_gas", "lift_oil", "joint_step", "supply_is_pumped", "ramp_hand_over")
 )
 
 
@@ -115,58 +114,6 @@ def test_bundle_is_inline_or_a_file(tmp_path):
 def test_inexact_commands_have_notes():
     for time in ("7 s", "5.0005 s"):  # after the end, and between steps
         assert len(loads_scenario(edited(GAS, ('time = "5 s"', f'time = "{time}"'))).findings) == 1
-
-
-MOVED = """[load]
-kind = "prescribed_motion"
-mean = "5 mm"
-amplitude = "50 mm"
-frequency = "1 Hz"
-[fluid]"""
-POLICY = 'policy = "hand_over"'
-
-
-@pytest.mark.parametrize(
-    ("text", "edits", "argument"),
-    [
-        (GAS, [("b = 0.3", "b = 1.2")], "valve.b"),
-        (GAS, [("413.7 kPa", "0 kPa")], "supply.pressure"),
-        (GAS, [('dt = "1 ms"', 'dt = "0 ms"')], "run.dt"),
-        (GAS, [('"2 mL"', '"-2 mL"')], "fluid.dead_volume"),
-        (GAS, [('time = "2 s"', 'time = "1 s"')], "schedule[2].time"),
-        (GAS, [('time = "0 s"', 'time = "1 s"')], "schedule[0].time"),
-        (GAS, [("[1, 0]", "[1.5, 0]")], "schedule[0].command"),
-        (
-            GAS,
-            [('"10 kg"', '"1000 kg"'), ('low = "-20 mm"', "")],
-            "load",
-        ),
-        (GAS, [("[run]", '[run]\nposition = "80 mm"')], "run.position"),
-        (GAS, [(GAS[GAS.index("[load]") : GAS.index("[fluid]") + 7], MOVED)], "load"),
-        (GAS, [('dt = "1 ms"', 'dt = "7 ms"')], "run.duration"),
-        (GAS, [('dt = "1 ms"', 'dt = "1 ns"')], "run.duration"),
-        (GAS, [('kind = "hanging_mass"', "")], "load.kind"),
-        (OIL, [('"constant"', '"tank"\nvolume = "1 L"')], "supply.kind"),
-        (PUMPED, [("= 0.9\n", "= 1.9\n")], "supply.pump.mechanical_efficiency"),
-        (PUMPED, [('"350 kPa"', '"450 kPa"')], "supply.pump.switch_off"),
-        (JOINT, [('"-60 deg"', '"-60 mm"')], "load.stop.low"),
-        (JOINT, [('"6 mm"', '"80 mm"')], "load"),
-        (GAS, [("_1_4", "_1_5")], "bundle"),
-        (GAS, [('bundle = "kim2021_bundle_1_4"', "")], "bundle"),
-        (GAS, [("[run]", '[run]\nlaw = "exat"')], "run.law"),
-        (RAMP, [(POLICY, f"{POLICY}\nforce_gain = -1")], "control.force_gain"),
-        (RAMP, [('"265 kPa"', '"500 kPa"')], "run.pressures"),
-        (RAMP, [('force = "15 N"', "force = 15")], "demand[0].force"),
-        (RAMP, [(POLICY, "")], "control.policy"),
-        (
-            RAMP,
-            [(POLICY, f'{POLICY}\nmodel = "kim2021_bundle_1_4"')],
-            "control.model",
-        ),
-    ],
-)  # fmt: skip
-def test_bad_input_is_one_line_with_its_key(refusal, text, edits, argument):
-    assert argument == refusal(loads_scenario, edited(text, *edits))
 
 
 @pytest.mark.parametrize("kind", ["{}", "1", '["constant"]'])

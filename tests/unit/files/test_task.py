@@ -118,39 +118,6 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
     assert_allclose(file.uncertainty.scatter.braid_angle, np.radians(1.0))
 
 
-@pytest.mark.parametrize(
-    ("more", "argument"),
-    [
-        ("muscles = 2\n[scatter]\ndraws = 1\n", "scatter.draws"),
-        ('muscles = 2\n[limits]\nsafety = "100 %"\n', "limits.safety"),
-        ('muscles = 2\n[scatter]\nwall_thickness = "60 %"\n', "scatter.wall_thickness"),
-        ("muscles = 2\n[sweep]\nblock = 0\n", "sweep.block"),
-        ("muscles = 2.5\n", "design.muscles[0]"),
-        ('muscles = 2\n[limits]\nmargin = "9 N"\n', "limits.margin"),
-        (
-            'muscles = 2\n[limits]\nenvelope = { at_most = "6 N" }\n',
-            "limits.envelope.at_most",
-        ),
-        ('muscles = 2\nunit_factors = "-1"\n', "design.unit_factors"),
-        ('muscles = 2\n[limits]\nnot_reached = { at_most = "100 %" }\n', "limits.not_reached"),
-        ('muscles = 2\ndensity = "1100"\n', "design.density"),
-        ('muscles = 2\n[prices]\nvalve = "90 EUR"\nair = "2 $/m^3"\n', "prices.air"),
-    ],
-)
-def test_invalid_task_files_are_one_line(refusal, more, argument):
-    assert argument == refusal(loads_task, PLAIN + more)
-
-
-def test_invalid_demands_are_refused(refusal):
-    before, strain, after = PLAIN.partition('strain = [0.16, "5 %"]\n')
-    for demand, argument in (
-        (strain + 'stroke = "25 mm"\n', "task.stroke"),
-        ("", "task.stroke"),
-        ('stroke = "0 mm"\n', "task.force"),
-    ):
-        assert argument == refusal(loads_task, f"{before}{demand}{after}muscles = 2\n")
-
-
 def test_fit_error_is_noted(tmp_path):
     muscle = fs.example("kim2021_slenderness_10")
     fs.save(muscle, tmp_path / "fitted.toml", {"rmse": "12.5 N"})
