@@ -7,7 +7,7 @@ WORKERS ?= 2
 # some hundred processes begin in the tests: what one of them compiles, the next finds
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: setup reproduce picture test lint types layers unit core package browser docs bench slow lock clean
+.PHONY: setup reproduce picture test lint types layers unit core package browser pages docs bench slow lock clean
 
 setup: $(STAMP)
 
@@ -31,9 +31,9 @@ picture: reproduce browser
 	$(BIN)/python docs/explorer_picture.py docs/_static/explorer.gif
 	$(BIN)/python docs/walker_leg.py docs/_static/walker_leg.gif
 
-# beside one another: browsers and the docs' pages keep a core waiting now and then
+# beside one another: browsers keep a core waiting now and then
 test: lint
-	$(MAKE) --jobs=4 layers types unit docs QUIET=-q
+	$(MAKE) --jobs=4 layers types unit pages
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -81,9 +81,13 @@ package: core
 slow: $(STAMP)
 	XLA_FLAGS= OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow
 
+# every page of the docs with its links, docstrings and references, but for what their code prints
+pages: $(STAMP)
+	$(BIN)/python -m sphinx -W --keep-going -q -D nb_execution_mode=off -b html docs docs/_build/pages
+
 # page by page where somebody watches, and nothing else runs; one more at once, as one waits
 docs: $(STAMP)
-	$(KEEPING) $(BIN)/python -m sphinx -j $$(($(WORKERS) + 1)) -W --keep-going $(or $(QUIET),$$(test -t 2 || echo -q)) -b html docs docs/_build/html
+	$(KEEPING) $(BIN)/python -m sphinx -j $$(($(WORKERS) + 1)) -W --keep-going $$(test -t 2 || echo -q) -b html docs docs/_build/html
 
 # takes some ten minutes on a quiet machine
 bench: $(STAMP)

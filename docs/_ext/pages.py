@@ -31,6 +31,8 @@ HEADER = """---
 file_format: mystnb
 kernelspec:
   name: python3
+language_info:
+  name: ipython3
 ---
 
 """
