@@ -35,7 +35,7 @@ def resolve(app: Sphinx, doctree: nodes.document, docname: str) -> None:
         for name in place["names"]:
             title = app.env.titles[name].astext()
             pictures = list(app.env.get_doctree(name).findall(nodes.image))[:1]
-            pictures = [picture.deepcopy() for picture in pictures]  # none where nothing is executed
+            pictures = [picture.deepcopy() for picture in pictures]  # none of a page not executed
             for picture in pictures:
                 picture.attributes.pop("width", None)
                 picture["alt"] = ""  # the title beside it says the same

@@ -98,7 +98,7 @@ def check(capsys, monkeypatch, tmp_path):
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize(
-    ("seed", "count"), [(0, 180), pytest.param(1, 5000, marks=pytest.mark.slow)]
+    ("seed", "count"), [(0, 120), pytest.param(1, 5000, marks=pytest.mark.slow)]
 )
 def test_command_lines(check, seed, count):
     check(seed, count)

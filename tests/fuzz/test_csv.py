@@ -89,7 +89,7 @@ def check(seed, count, path):
 
 
 @pytest.mark.parametrize(
-    ("seed", "count"), [(0, 300), pytest.param(1, 6000, marks=pytest.mark.slow)]
+    ("seed", "count"), [(0, 120), pytest.param(1, 6000, marks=pytest.mark.slow)]
 )
 def test_records(tmp_path, seed, count):
     check(seed, count, tmp_path / "x.csv")

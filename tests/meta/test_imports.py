@@ -30,15 +30,41 @@ def loaded(statements: str) -> set[str]:
     return set(json.loads(done.stdout.splitlines()[-1]))
 
 
-COMMAND = """
+# laws first, which load least; then what else needs no JAX, each asked after its work
+WORK = f"""
+import fascicle as fs
+from fascicle import control
 from fascicle.cli import main
-for line in {lines!r}:
+from fascicle.design import Space, Task, Uncertainty, judge_safety, search
+
+bundle = fs.example({BUNDLE!r})
+space = Space({{"m": fs.example({MUSCLE!r})}}, (2, 3))
+
+def command(line):
     try:
-        main(line)
+        main(line.split())
     except SystemExit as end:
         assert end.code in (0, None), line
-    assert not {without!r} & set(sys.modules), line
+
+for name, work in {{
+    "dips": lambda: control.needed_reserve(bundle, 0.2, 10.0, 0.1),
+    "designs": lambda: judge_safety(
+        search(space, Task.of([60.0], [0.1], 413.7e3)), Uncertainty(draws=20)
+    ),
+    **{{line: lambda line=line: command(line) for line in LINES}},
+}}.items():
+    work()
+    assert not WITHOUT & set(sys.modules), name
 """
+LINES = [
+    f"force {MUSCLE} --pressure 200kPa --strain 0.1",
+    f"free-strain {MUSCLE} --pressure 200kPa",
+    f"bundle {BUNDLE} --pressure 300kPa,100kPa --strain 0.1",
+    f"recruit {BUNDLE} --force 60N --strain 0.1",
+    f"space {BUNDLE}",
+    f"efficiency {BUNDLE}",
+    *(f"export {name} --table FOLDER/{name}" for name in (MUSCLE, BUNDLE)),
+]
 
 
 def test_the_laws_load_no_files_results_or_pictures():
@@ -53,21 +79,9 @@ def test_the_laws_load_no_files_results_or_pictures():
     assert not modules & (HEAVY | WITHOUT)
 
 
-def test_commands_for_laws_load_no_jax():
-    lines = [
-        ["force", MUSCLE, "--pressure", "200kPa", "--strain", "0.1"],
-        ["free-strain", MUSCLE, "--pressure", "200kPa"],
-        ["bundle", BUNDLE, "--pressure", "300kPa,100kPa", "--strain", "0.1"],
-        ["recruit", BUNDLE, "--force", "60N", "--strain", "0.1"],
-        ["space", BUNDLE],
-        ["efficiency", BUNDLE],
-    ]
-    loaded(COMMAND.format(lines=lines, without=WITHOUT))
-
-
-def test_tables_in_c_need_no_jax(tmp_path):
-    lines = [["export", name, "--table", f"{tmp_path / name}"] for name in (MUSCLE, BUNDLE)]
-    loaded(COMMAND.format(lines=lines, without=WITHOUT))
+def test_commands_for_laws_dips_and_searches_for_designs_load_no_jax(tmp_path):
+    lines = [line.replace("FOLDER", str(tmp_path)) for line in LINES]
+    loaded(f"LINES, WITHOUT = {lines!r}, {WITHOUT!r}\n{WORK}")
 
 
 def test_rooms_on_jax_name_the_extra_where_it_is_missing():
@@ -83,26 +97,10 @@ def test_rooms_on_jax_name_the_extra_where_it_is_missing():
 
 def test_help_loads_no_jax():
     without = {"jax", "jaxlib", "equinox", "numpy", "xarray", "matplotlib", "pint"}
-    loaded(COMMAND.format(lines=[["--help"]], without=without))
-
-
-def test_dips_need_no_jax():
-    modules = loaded(
-        "import fascicle as fs\nfrom fascicle import control\n"
-        f"bundle = fs.example({BUNDLE!r})\ncontrol.needed_reserve(bundle, 0.2, 10.0, 0.1)"
+    loaded(
+        "from fascicle.cli import main\ntry:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
+        f"assert not {without!r} & set(sys.modules)"
     )
-    assert not modules & WITHOUT
-
-
-def test_searches_for_designs_need_no_jax():
-    modules = loaded(
-        "import fascicle as fs\n"
-        "from fascicle.design import Space, Task, Uncertainty, judge_safety, search\n"
-        f"space = Space({{'m': fs.example({MUSCLE!r})}}, (2, 3))\n"
-        "found = search(space, Task.of([60.0], [0.1], 413.7e3))\n"
-        "judge_safety(found, Uncertainty(draws=20))"
-    )
-    assert not modules & WITHOUT
 
 
 def test_importing_leaves_the_environment_alone():

@@ -71,7 +71,7 @@ def test_air_and_power(muscle, lift):
     assert_allclose(summary.supply_power, 1e5 * summary.flow * np.log(SUPPLY / 1e5 + 1))
 
 
-@pytest.mark.parametrize("hose", [None, 1.0])
+@pytest.mark.parametrize("hose", [1.0, pytest.param(None, marks=pytest.mark.slow)])
 def test_a_slow_load_stands_where_the_pressures_hold_it(muscle, hose):
     """Another computation: the plant in time; a slow load doesn't swing."""
     task = Task.of([250.0], [0.1], SUPPLY)
