@@ -85,6 +85,7 @@ _QUALIFIERS = {*words(
     "supply, luftdruck, umgebungsdruck, versorgungsdruck, tank, cmd, model, modeled, modelled,"
     "theoretical, theory, simulated, simulation, predicted, calculated"
 )}  # fmt: skip
+# of a strain gauge on the rig: no muscle's contraction
 _MICROSTRAINS = "µε, με, µstrain, microstrain, µm/m"
 
 
@@ -301,7 +302,8 @@ def score(header: str, unit: str, role: str) -> int:
         stated = (unit if is_remark else written) or written or unit
         stated = stated or ("" if role == "strain" else meanings[0][1])
         fits = dimension in SPELLINGS and bool(stated) and is_unit(stated, dimension)
-        fits = fits and not is_mass(stated)  # a column in N is preferred
+        # a column in N is preferred to one of masses
+        fits = fits and not is_mass(stated) and stated not in words(_MICROSTRAINS)
         if role in {*POSITIONS, "torque", "moment_arm", "time"} and stated:
             if not fits:  # the unit tells which of them it is
                 continue
@@ -430,11 +432,6 @@ def _infer(
         if role == "moment_arm" and not supplied & {"torque", "angle"}:
             # none of a joint, but one that was written with a record
             indices = [i for i in indices if read_header(table.header[i])[0][0] == "moment arm"]
-        lengths = ("length", "displacement") if role == "strain" else ()
-        if any(_candidates(table, length, used, units.get(length)) for length in lengths):
-            # beside a length these are of a strain gauge on the rig
-            gauges = words(_MICROSTRAINS)
-            indices = [i for i in indices if table.stated_unit(i, role) not in gauges]
         if role in _optional_roles(supplied):
             # several of one name, as a time beside each channel, are alike
             indices = indices[:1] if len({table.header[i] for i in indices}) == 1 else []
@@ -582,9 +579,8 @@ def _complete(
         unit, factor = "", 1.0
     longer = role in {"strain", "displacement"} and names & _LONGER
     longer = longer and not names & {"compressive", "compression"}
-    replaced = (
-        header_unit if override not in (None, header_unit) and is_any_unit(header_unit) else ""
-    )
+    is_replaced = override not in (None, header_unit) and is_any_unit(header_unit)
+    replaced = header_unit if is_replaced else ""
     return Column(role, index, header, unit, factor, -1 if longer else 1, replaced, absolute)
 
 
@@ -638,39 +634,27 @@ def _missing(table: "Table", role: str, group: Sequence[str], used: set[int]) ->
         remedy = "part its cells by commas, semicolons, tabs or blanks"
         return ValueError(f"{table.where}: one column only, `{table.header[0]}`: {remedy}.")
     _check_wide(table)
+    unused = [(name, table.stated_unit(i)) for i, name in enumerate(table.header)
+              if i not in used and name.lower() not in ("", "comment")]  # fmt: skip
     group = sorted(group, key=lambda candidate: candidate != role)
-    dimensions = {candidate: dimension_of(candidate) for candidate in group}
-    terms = {term for candidate in group for term in TERMS[candidate]}
-    names, signals = dict[str, str](), dict[str, str]()  # with their units
-    for i, name in enumerate(table.header):
-        unit = table.stated_unit(i)
-        if i in used or name.lower() in {"", "comment"}:  # the last column of LabVIEW
-            continue
-        is_named = read_header(name)[0][0] in terms
-        if role == "length" and is_named and unit and not is_unit(unit):
-            error = ValueError(f"{unit!r} is no unit of {role}")
-            return _wrong_unit(table.place(name), role, error)
-        if unit.lower() in SIGNALS:
-            signals[name] = unit
-        fits = not unit or is_unit(unit, *dimensions.values())
-        if fits or (role == "pressure" and absolute_unit(unit)):
-            names.setdefault(name, unit)
+    fitting = {
+        name: [x for x in group if not unit or is_unit(unit, dimension_of(x))]
+        for name, unit in unused
+    }
+    names = [name for name, unit in dict(unused).items()
+             if fitting[name] or (role == "pressure" and absolute_unit(unit))]  # fmt: skip
+    signals = [(name, unit) for name, unit in unused if unit.lower() in SIGNALS]
     if signals and not names:
-        name, unit = next(iter(signals.items()))
-        return _raw_signal(table.place(name), role, unit)
+        return _raw_signal(table.place(signals[0][0]), role, signals[0][1])
     before = f"{table.where}: no column of {' or '.join(group)} found: "
     constant = ("constants", role, _EXAMPLES[role], ", if it is one for all readings")
     if not names:
         return MissingMetadataError(f"{before}add it, or give ", constant)
-    # setpoints last
-    ordered = sorted(names, key=lambda name: bool(_list_words(name) & _QUALIFIERS))
-    name, unit = ordered[0], names[ordered[0]]
-    fitting = [candidate for candidate in group if unit and is_unit(unit, dimensions[candidate])]
-    if len(names) == 1 and role == "length" and fitting:
-        choices = [("columns", candidate, name, "") for candidate in fitting]
-        return MissingMetadataError(f"{before}`{name}` is which of them: give ", *choices)
-    choice = ("columns", role, name, f" if it is one of {_list_names(ordered)}")
-    return MissingMetadataError(f"{before}name it with ", choice, constant)
+    names.sort(key=lambda name: bool(_list_words(name) & _QUALIFIERS))  # setpoints last
+    roles = (fitting[names[0]] if dict(unused)[names[0]] else []) or [role]
+    choices = [("columns", candidate, names[0], "") for candidate in roles]
+    choices[-1] = (*choices[-1][:3], f" if it is one of {_list_names(names)}")
+    return MissingMetadataError(f"{before}name it with ", *choices, constant)
 
 
 def _list_names(names: Sequence[str]) -> str:
@@ -684,28 +668,23 @@ def read_name(path: Path, pattern: str, table: str = "") -> dict[str, float]:
 
     The unit stands after the braces, or in them: `{length}cm`, `{pressure:kPa}`; grams are weights.
     """
-    choices = (*CONSTANTS, "rest_length")
-    # text, and after each piece of it a name, its unit in the braces, and the unit behind them
-    texts, names, insides, behinds = (
-        re.split(r"\{(\w+)(?::([^}]*))?\}(?=([^\W\d_]*%?))", pattern)[i::4] for i in range(4)
-    )
-    if not names:
-        hint = 'write such as "{length}cm_{pressure}kPa"'
-        raise InvalidInputError("name_pattern", "has no name in braces", pattern, hint)
-    for name in names:
-        if name not in choices:
-            hint, rule = f"choose of {', '.join(choices)}", f"has the unknown name {name!r}"
-            raise InvalidInputError("name_pattern", rule, name, f"{hint}; * is other text", "")
-    pieces = [re.escape(text).replace(r"\*", ".*").replace(r"\?", ".") for text in texts]
-    expression = r"([+-]?\d+(?:[.,]\d+)?)".join(pieces)
+    choices, values = (*CONSTANTS, "rest_length"), {}
+    # a name, its unit in the braces, and the unit behind them
+    fields = re.findall(r"\{(\w+)(?::([^}]*))?\}([^\W\d_]*%?)", pattern)
+    unknown = [name for name, _, _ in fields if name not in choices]
+    if unknown or not fields:
+        rule = f"has the unknown name {unknown[0]!r}" if unknown else "has no name in braces"
+        hint = f'write such as "{{length}}cm_{{pressure}}kPa", of {", ".join(choices)}'
+        raise InvalidInputError("name_pattern", rule, pattern, hint)
+    number = r"([+-]?\\d+(?:[.,]\\d+)?)"
+    expression = re.sub(r"\\\{.*?\\\}", number, re.escape(pattern))
+    expression = expression.replace(r"\*", ".*").replace(r"\?", ".")
     match = re.search(expression, table) or re.search(expression, f"{path.stem} {table}".rstrip())
     if match is None:
         what = f"`{path.stem}` or table `{table}`" if table else f"`{path.stem}`"
         raise ValueError(f"{path}: its name {what} doesn't fit the pattern {pattern!r}.")
-    values = {}
-    for name, inside, behind, text in zip(names, insides, behinds, match.groups(), strict=True):
+    for (name, inside, behind), text in zip(fields, match.groups(), strict=True):
         dimension, unit = dimension_of(name), inside or behind
         unit = _WEIGHTS.get(unit, unit) if dimension == "force" else unit
-        number = f"{text.replace(',', '.')} {unit}"
-        values[name] = parse(number, dimension, name)
+        values[name] = parse(f"{text.replace(',', '.')} {unit}", dimension, name)
     return values

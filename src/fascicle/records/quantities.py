@@ -139,6 +139,15 @@ class Readings:
         top = self.pressure > _TOP * self.pressure.max()
         return self.strain[top], self.force[top]
 
+    def convert(self, rest_length: float) -> None:
+        """Set pressure, force and contraction, and check them; `rest_length` [m]."""
+        self.read_joint()
+        self.read_force()
+        self.read_pressure()
+        self.read_strain(rest_length)
+        self.check_pull()
+        self.check_atmosphere()
+
     def read_joint(self) -> None:
         """Complete torques by the moment arm [m], and angles by the shortening from rest [m]."""
         columns, is_angle = self.columns, self.position.role == "angle"

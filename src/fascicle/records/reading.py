@@ -14,7 +14,6 @@ import numpy as np
 from ..core.errors import InvalidInputError
 from ..core.findings import Finding
 from ..io.input_file import read_bytes
-from ..units import parse, pretty
 from .formats import table_texts
 from .headers import (
     Column,
@@ -227,11 +226,9 @@ def _read_record(
     rest_length, written = info.rest_length, dict(remarks).get("rest_length")
     if rest_length is None and written is not None:
         try:
-            rest_length = parse(written.strip('" '), "length", "rest_length")
+            rest_length = info.overruled({"rest_length": written.strip('" ')}).rest_length
         except ValueError as error:
             raise ValueError(f"{source}: in its remarks, {error}") from None
-        if rest_length <= 0:
-            raise ValueError(f"{source}: in its remarks, `rest_length` must be positive.")
         readings.findings.append(note("rest_length", length=rest_length))
     position = readings.position
     needs_length = rest_length is None and position.role != "strain"
@@ -241,24 +238,7 @@ def _read_record(
         after = f', or write rest_length = "300 mm" in {toml} beside it'
         choice = ("rest_length", "", "", after)
         raise MissingMetadataError(f"{table.place(position.header)}: {rule}", choice)
-    length = rest_length or default_length or np.nan
-    readings.read_joint()
-    readings.read_force()
-    readings.read_pressure()
-    try:
-        readings.read_strain(length)
-    except MissingMetadataError:
-        raise
-    except ValueError as error:
-        if not needs_length:
-            raise
-        rule = f"Contractions were taken over the muscle's length, {pretty(length, 'length')}"
-        remedy = "give the record's rest length if it differs"
-        raise ValueError(f"{error} {rule}: {remedy}.") from None
-    readings.check_pull()
-    readings.check_atmosphere()
-    censored, time = readings.read_censored(), readings.read_time()
-    texts = [*([] if info.source is None else [f"source: {info.source}"]), *info.notes]
+    readings.convert(rest_length or default_length or np.nan)
     synthetic = [text.lower() for text in header_lines if text.lower().startswith("synthetic")]
     denials = ("false", "no", "0")
     zeros = {
@@ -266,15 +246,15 @@ def _read_record(
         "pressure": (info.pressure_at_rest,),
         "displacement": (info.displacement_at_rest,),
     }
+    texts = [*([] if info.source is None else [f"source: {info.source}"]), *info.notes]
+    texts += [f"{key}: {text}" for key, text in remarks if key in {"source", "note"}]
     record = Record(
-        readings.pressure, readings.strain, readings.force, censored, readings.read_branch(), time,
-        rest_length, readings.si("moment_arm") if "moment_arm" in readings.columns else None,
+        readings.pressure, readings.strain, readings.force, readings.read_censored(),
+        readings.read_branch(), readings.read_time(), rest_length,
+        readings.si("moment_arm") if "moment_arm" in readings.columns else None,
         synthetic=info.synthetic
         or any(text[9:].strip(" :=.") not in denials for text in synthetic),
-        notes=(
-            *(" ".join(text.split()) for text in texts),
-            *(f"{key}: {text}" for key, text in remarks if key in {"source", "note"}),
-        ),
+        notes=tuple(" ".join(text.split()) for text in texts),
         findings=tuple(readings.findings),
         zeroed=tuple(name for name, values in zeros.items() if set(values) != {None}),
     )  # fmt: skip

@@ -50,8 +50,7 @@ def test_clipped_readings_have_their_own_mark_and_are_no_push():
 def test_many_points_are_thinned_and_none_is_drawn_twice():
     lines = points(draw_fit(FIT).axes[0], "o")
     assert len(lines) == len(P)
-    for line in lines:
-        strain = line.get_xdata()
+    for strain in (drawn.get_xdata() for drawn in lines):
         assert len(strain) == len(set(strain)) == 40
         assert (strain.min(), strain.max()) == (0, 0.3)
 
