@@ -287,15 +287,14 @@ def test_reproduce_lists_claims_and_fails_with_them(fascicle, monkeypatch, tmp_p
 
 
 @pytest.mark.parametrize(
-    ("width", "line"),
+    ("width", "line", "encoding"),
     [
-        (60, f"force {SIX}"),
-        (60, "simulate lift_gas"),
-        (0, f"force {SIX}"),  # unknown
-        (100, f"efficiency {BUNDLE} --force 20N --path isobaric"),
+        (60, f"force {SIX}", "utf-8"),
+        (60, "simulate lift_gas", "ascii"),
+        (0, f"force {SIX}", "ascii"),  # unknown
+        (100, f"efficiency {BUNDLE} --force 20N --path isobaric", "utf-8"),
     ],
 )
-@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
 def test_a_narrow_terminal_gets_narrow_tables(fascicle, monkeypatch, width, line, encoding):
     monkeypatch.setenv("COLUMNS", str(width))
     stream = io.BytesIO()

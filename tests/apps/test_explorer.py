@@ -494,7 +494,7 @@ def barriers(page):
     ("theme", "width", "height"),
     [
         ("default", 390, 844),
-        ("dark", 1280, 800),
+        pytest.param("dark", 1280, 800, marks=pytest.mark.slow),
         pytest.param("default", 1920, 1080, marks=pytest.mark.slow),
         pytest.param("dark", 1920, 1080, marks=pytest.mark.slow),
         pytest.param("dark", 390, 844, marks=pytest.mark.slow),
@@ -712,6 +712,7 @@ def test_the_story_goes_by_keyboard_alone_and_leaves_the_inputs(visit):
     assert not page.get_by_role("button", name=OFFER).is_visible()
 
 
+@pytest.mark.slow
 def test_scenes_on_a_phone_are_tidy_and_have_no_barriers_that_axe_finds(visit):
     width, height = 390, 844
     page = visit("?strain=0.1", width=width, height=height)

@@ -3,7 +3,7 @@
 import pytest
 
 
-SIX, PAIR = "kim2021_figure_6", "kim2021_bundle_1_1"
+SIX = "kim2021_figure_6"
 ONE = ["-p", "34.5kPa", "-s", "0.1"]
 TASK = """format = 1
 [task]

@@ -45,6 +45,7 @@ def written(tmp_path):
 
 
 LIFT = example_text("lift_gas").replace("format = 1", 'format = 1\nname = "lift EVIL"')
+LIFT = LIFT.replace('"6 s"', '"100 ms"').partition('[[schedule]]\ntime = "1 s"')[0]
 WRONG = ['format = 1\n"EVIL" = 1\n[muscle]', '[muscle]\nmaterial = "EVIL"', 'x = "EVIL" y']
 COMMANDS = [
     *(("simulate", LIFT, options, 0) for options in ([], ["--json"], ["--csv"])),

@@ -10,7 +10,6 @@ import fascicle as fs
 from fascicle.calibrate import Prior, fit
 from fascicle.calibrate.least_squares import NORMAL
 from fascicle.calibrate.readings import SmoothCurves
-from fascicle.files.calibration_files import provenance_of
 from fascicle.muscle.tuning import Tuning
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record
@@ -118,16 +117,6 @@ def test_estimates_are_the_covariances(tuned):
     assert np.trace(tuned.minimum.from_curves) > 0
 
 
-def test_draws_are_the_normal_approximation(many):
-    tuned = next(made for made in many if all(one.identifiable for one in made.parameters))
-    z = tuned.draws(20000, seed=2)
-    # 20 000 draws know a covariance to 1 % of its deviations' product; five of these
-    scale = np.sqrt(np.diag(tuned.covariance))
-    assert_allclose((z.mean(axis=0) - tuned.coordinates) / scale, 0, atol=5 / np.sqrt(20000))
-    assert_allclose(np.cov(z.T) / np.outer(scale, scale), tuned.correlation, atol=0.05)
-    assert_array_equal(z, tuned.draws(20000, seed=2))
-
-
 def test_drawn_muscles_have_the_mean_and_covariance_of_the_fit(many):
     fitted = next(made for made in many if all(one.identifiable for one in made.parameters))
     muscles = fitted.muscles(500, seed=4)
@@ -161,15 +150,6 @@ def test_without_a_collapse_in_the_data_factors_stay_at_their_prior(unbuckled, f
     P = np.array(PRESSURES[1:])
     assert_allclose(unbuckled.muscle.free_strain(P), TRUE.free_strain(P), atol=1e-3)
     assert unbuckled.relative_rmse < 2e-3
-
-
-def test_a_fitted_muscle_loads_as_it_was_saved(tuned, tmp_path):
-    path = tmp_path / "fitted.toml"
-    fs.save(tuned.muscle, path, provenance_of(tuned, "2026-05-04"))
-    again = fs.load(path)
-    P, strain = np.array(PRESSURES)[:, None], np.linspace(-0.05, 0.4, 60)
-    assert_array_equal(again.force(P, strain), tuned.muscle.force(P, strain))
-    assert_array_equal(again.tuning.c1, tuned.muscle.tuning.c1)
 
 
 def test_a_shorter_muscle_sees_longer_strains(tuned):
