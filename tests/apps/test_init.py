@@ -21,6 +21,27 @@ def test_a_sleeve_and_a_tube_make_a_muscle(fascicle, refused, tmp_path):
     refused("init o.toml --sleeve 9mm --tube 9mm")
 
 
+def test_a_thread_and_its_turns_make_a_muscle(fascicle, refused, tmp_path):
+    line = ("--thread", "277.1 mm", "--turns", "1.5", "--length", "264.1 mm")
+    code, printed, err = fascicle(
+        "init", "m.toml", *line, "--tube", "17x15 mm", "--material", "silicone_kim2021"
+    )
+    assert (code, err) == (0, "") and "assumed" not in printed
+    made = fs.Muscle.from_thread(0.2641, 0.2771, 1.5, 1e-3, material="silicone_kim2021")
+    assert fs.load(tmp_path / "m.toml") == made
+    assert "assumed" in fascicle("init", "n.toml", *line)[1]
+    for options in (
+        "--thread 277mm --turns 1.5",  # whose angle would be that of an assumed length
+        "--thread 200mm --turns 1.5 --length 264mm",
+        "--length 264mm --task",
+        "--material nylon",
+        "--tube 9x7mm",
+        "--thread 277mm --turns 1.5 --length 264mm --sleeve 9mm --tube 9x7mm",
+    ):
+        refused(f"init o.toml {options}")
+    assert not (tmp_path / "o.toml").exists()
+
+
 def test_the_protractor_has_its_true_size(fascicle, tmp_path):
     assert fascicle("init", "--protractor", "strip.svg")[0] == 0
     text = (tmp_path / "strip.svg").read_text()

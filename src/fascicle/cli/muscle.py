@@ -245,10 +245,17 @@ def init(
     fluid: Text = option("Fluid of a scenario: air or oil; default: air.", "NAME"),
     sleeve: Text = option("Sleeve's diameter and angle there: '12 mm at 40 deg'.", "SIZE"),
     tube: Text = option("Tube's outer and inner diameter: '9 mm x 7 mm', or '9x7 mm'.", "SIZES"),
+    thread: Text = option("Length of one thread of the braid: '277 mm'.", "LENGTH"),
+    turns: Text = option("Turns of a thread around the muscle: 1.5.", "NUMBER"),
+    length: Text = option("Length at rest between the end fittings: '200 mm'.", "LENGTH"),
+    material: Text = option("Material of the tube.", "NAME"),
     protractor: Text = option("Strip (.svg, .pdf) that measures a braid angle on a tube.", "PATH"),
     overwrite: options.Overwrite = False,
 ) -> None:
     """Write a commented muscle, task or scenario file to edit."""
+    values = (sleeve, tube, thread, turns, length, material)
+    options = ("--sleeve", "--tube", "--thread", "--turns", "--length", "--material")
+    sizes = [option for option, value in zip(options, values, strict=True) if value]
     if protractor is not None:
         check_file("--protractor", protractor, overwrite, [".svg", ".pdf", ".png"])
         from ..plot import protractor as pictures
@@ -256,12 +263,17 @@ def init(
         with replace_output("--protractor", protractor, overwrite) as draft:
             draft.write_bytes(fs.plot.to_bytes(pictures.protractor(), draft.suffix.lower()[1:]))
         print_line(f"wrote {protractor}: print it at 100 %")
-        if path is None and sleeve is None:
+        if path is None and not sizes:
             return
-    other = task or scenario or example
+    other, braid = task or scenario or example, sleeve or thread
     conflicts = {
-        "--sleeve and --tube: give both, or none of them.": bool(sleeve) != bool(tube),
-        "--sleeve: makes a muscle: drop --task, --scenario and --from.": sleeve and other,
+        "--sleeve: a thread has its own angle: drop --thread.": sleeve and thread,
+        "--sleeve: add the --tube that it is on.": sleeve and not tube,
+        "--tube: add the --sleeve on it, or a --thread of its braid.": tube and not braid,
+        "--thread, --turns and --length: give all three, or no thread.": (
+            (thread or turns) and not (thread and turns and length)
+        ),
+        f"{', '.join(sizes)}: of a muscle: drop --task, --scenario and --from.": sizes and other,
         "--mass and --stroke: give both, with --task.": bool(mass) != bool(stroke),
         "--mass: is lifted by a task: add --task.": mass and not task,
         "--task and --from: a task has no example to copy, drop one.": task and example,
@@ -281,21 +293,26 @@ def init(
 
             example = example or _LIFTS[check_choice(fluid or "air", _LIFTS, "fluid")]
             check_choice(example, files.scenarios(), "example")
-        text = files.example_text(example) if example else template(kind)
-        if sleeve is not None and tube is not None:
-            text = _with_product(text, sleeve, tube)
-            files.loads(text, f"--sleeve and --tube in {path}")  # its sizes make a muscle
+        text = files.example_text(example) if example else template(kind, material)
+        if sizes:
+            text = _with_sizes(text, sleeve, tube, thread, turns, length)
+            files.loads(text, f"{' and '.join(sizes)} in {path}")  # they make a muscle
         if mass is not None and stroke is not None:
             text = _with_load(text, mass, stroke)
     write_text("", path, overwrite, text)
     is_scenario = scenario or example in files.scenarios()
     command = "design" if task else "simulate" if is_scenario else "free-strain"
-    if sleeve is not None:
-        angle = "" if "at" in sleeve else "30 deg at the sleeve's nominal diameter, "
-        print_line(
-            f"assumed: {angle}the length and the material. The angle decides most: measure it on"
-            " the tube (`fascicle init --protractor strip.svg`)"
-        )
+    if braid:
+        assumed = {
+            "30 deg at the sleeve's nominal diameter": sleeve and "at" not in sleeve,
+            "the length": not length,
+            "the wall": not tube,
+            "the material": not material,
+        }
+        if texts := [text for text, applies in assumed.items() if applies]:
+            print_line(f"assumed: {', '.join(texts)}")
+        if sleeve:
+            print_line("measure the angle, which decides most: `fascicle init --protractor a.svg`")
     print_line(f"wrote {path}: edit it, then run `fascicle {command} {path}`")
 
 
@@ -324,11 +341,44 @@ def _with_load(text: str, mass: str, stroke: str) -> str:
     return text
 
 
-def _with_product(text: str, sleeve: str, tube: str) -> str:
-    """Template of a muscle with the sizes of a `sleeve` on a `tube`."""
+def _with_sizes(
+    text: str, sleeve: Text, tube: Text, thread: Text, turns: Text, length: Text
+) -> str:
+    """Template of a muscle with sizes of what was bought and counted."""
     from ..muscle.products import sleeve_angle
 
-    size, _, angle = sleeve.partition("at")
+    lines = {}  # of a file, by the key whose line they replace
+    if length:
+        lines["length"] = _line("length", parse(length, "length", "--length"), "at rest")
+    if thread and turns:
+        b, n = parse(thread, "length", "--thread"), parse(turns, "number", "--turns")
+        lines["outer_radius"] = _line("thread_length", b, "of one thread of the braid")
+        lines["braid_angle"] = f"turns = {n:.6g}".ljust(33) + "# of a thread around the muscle"
+    if tube:
+        outer, inner = _diameters(tube)
+        lines["wall_thickness"] = _line("wall_thickness", (outer - inner) / 2, "of the tube")
+    if sleeve and tube:
+        size, _, angle = sleeve.partition("at")
+        nominal = parse(size.strip(), "length", "--sleeve")
+        at_nominal = parse(angle.strip() or "30 deg", "angle", "--sleeve")
+        with user_errors("--tube: "):
+            on_tube = degrees(float(sleeve_angle(nominal, at_nominal, outer)))
+        assumed = "" if angle else "; 30 deg at the nominal diameter is assumed: measure it"
+        lines["outer_radius"] = _line("outer_radius", outer / 2, "of the tube")
+        line = f'braid_angle = "{on_tube:.2f} deg"'.ljust(33)
+        lines["braid_angle"] = f"{line}# of the sleeve on the tube{assumed}"
+    for key, line in lines.items():
+        text = re.sub(rf"(?m)^{key} = .*$", line, text)
+    return text
+
+
+def _line(key: str, value: float, comment: str) -> str:
+    """Line of a file with a length [m]."""
+    return f'{key} = "{1e3 * value:.6g} mm"'.ljust(33) + f"# {comment}"
+
+
+def _diameters(tube: str) -> list[float]:
+    """Outer and inner diameter of a `tube` [m]."""
     sizes = [entry.strip() for entry in tube.replace("×", "x").split("x")]
     if len(sizes) != 2:
         raise UserError("--tube: give the outer and the inner diameter, such as '9 mm x 7 mm'.")
@@ -337,33 +387,23 @@ def _with_product(text: str, sleeve: str, tube: str) -> str:
     outer, inner = (parse(entry, "length", "--tube") for entry in sizes)
     if not inner < outer:
         raise UserError(f"--tube {tube!r}: the inner diameter must be below the outer one.")
-    nominal = parse(size.strip(), "length", "--sleeve")
-    at_nominal = parse(angle.strip() or "30 deg", "angle", "--sleeve")
-    on_tube = degrees(float(sleeve_angle(nominal, at_nominal, outer)))
-    assumed = "" if angle else "; 30 deg at the nominal diameter is assumed: measure it"
-    lines = {
-        "outer_radius": (f"{500 * outer:.6g} mm", "of the tube"),
-        "wall_thickness": (f"{500 * (outer - inner):.6g} mm", "of the tube"),
-        "braid_angle": (f"{on_tube:.2f} deg", f"of the sleeve on the tube{assumed}"),
-    }
-    for key, (value, comment) in lines.items():
-        before, _, after = text.partition(f"\n{key} = ")
-        line = f'{key} = "{value}"'.ljust(33) + f"# {comment}"
-        text = "\n".join([before, line, after.partition("\n")[2]])
-    return text
+    return [outer, inner]
 
 
-def template(kind: str) -> str:
-    """Text of the commented file of a kind, "muscle" or "task"."""
+def template(kind: str, material: Text = None) -> str:
+    """Text of the commented file of a kind, "muscle" or "task"; `material`: of the muscle."""
     values = {}
     if kind == "muscle":
         with status("loading the laws"):
-            from ..core.validation import NEUTRAL_ANGLE
+            from ..core.validation import NEUTRAL_ANGLE, check_choice
             from ..muscle import LAWS
             from ..muscle.materials import MATERIALS
 
         values["angle"] = f"{degrees(NEUTRAL_ANGLE):.1f}"
-        for law, names in {"material": MATERIALS, **LAWS}.items():
+        if material:
+            check_choice(material, MATERIALS, "material")
+        materials = sorted(MATERIALS, key=lambda name: name != material)  # the chosen one first
+        for law, names in {"material": materials, **LAWS}.items():
             key = "law" if law == "collapse" else law  # it has a table
             first, *alternatives = (f'"{name}"' for name in names)
             values[law] = f"{key} = {first}".ljust(33) + "# or " + ", ".join(alternatives)
