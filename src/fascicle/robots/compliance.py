@@ -42,7 +42,7 @@ class Series(Module):
 
     def sum_units(self, values: Numbers) -> Numbers:
         """Sums of units' `values` [SI] over the units of each bundle."""
-        return array_namespace(values).sum(self.members * values[..., None, :], axis=-1)
+        return values @ self.members.T
 
     def contractions(
         self,

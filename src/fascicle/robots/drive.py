@@ -56,6 +56,9 @@ from .optional_imports import Data, Model, mjx, mujoco
 from .tables import SoftEnds, TableWarning, status_message, table_status
 
 
+_RUNGE_KUTTA = int(mujoco.mjtIntegrator.mjINT_RK4)  # a number compares faster
+
+
 class Fluid(NamedTuple):
     """Fluid of bundles: `chambers`, a row for each unit [SI], `spool` of the valves [-], the
     `supply`'s state [SI], `consumption` from it so far [kg], and `inside`, true if all muscles were
@@ -183,9 +186,9 @@ class Drive(Module):
         """Stored energy [J] of all bundles at constant pressures, the negative of their co-energy,
         and of stretched cords; `pressures` [Pa], `lengths` [m] and errors are those of `pull`.
         """
-        P, x = self._enter(pressures, lengths)
-        coenergy = self.plant.muscles.at(P, bundle_strains(self.plant, x)).coenergy
-        cords = self.series.compliance * self._pull(P, x) ** 2 / 2
+        P, eps = self._enter(pressures, lengths)
+        coenergy = self.plant.muscles.at(P, eps).coenergy
+        cords = self.series.compliance * self._pull(P, eps) ** 2 / 2
         add = array_namespace(coenergy).sum
         return add(cords, axis=-1) - add(self.plant.counts * coenergy, axis=-1)
 
@@ -195,32 +198,30 @@ class Drive(Module):
         return check_interval(pressures, low, top, name, "Pa", "of the table", (True, True))
 
     def _enter(self, pressures: Values, lengths: Values) -> tuple[Numbers, Numbers]:
-        """Checked `pressures` [Pa], and contractions of the bundles [m] at `lengths` of tendons."""
-        plant, bundles = self.plant, len(self.actuators)
-        low = float(np.min(plant.chamber.lowest_pressure))
+        """Checked `pressures` [Pa], and strains of all units [-] at `lengths` of tendons [m]."""
+        plant, low = self.plant, float(np.min(self.plant.chamber.lowest_pressure))
         P = match_array_type(pressures, self._check_pressures(pressures, "pressures", low))
         lengths = match_array_type(lengths, check_finite(lengths, "lengths", "m"))
-        for name, values, count in (("pressures", P, self.units), ("lengths", lengths, bundles)):
-            if np.ndim(values) and np.shape(values)[-1] not in {1, count}:
-                shape = f"the shape {np.shape(values)}"
-                raise InvalidInputError(
-                    name, f"must be {count} on its last axis", None, shown=shape
-                )
+        _check_shape(np.shape(P)[-1:], self.units, "pressures")
+        _check_shape(np.shape(lengths)[-1:], len(self.actuators), "lengths")
         x = self.series.contractions(plant, self.rest_lengths - lengths, P)
-        if is_concrete(P, x):
-            self._warn(table_status(plant.muscles, P, bundle_strains(plant, x)), 4)
-        return P, x
+        eps = bundle_strains(plant, x)
+        if is_concrete(P, eps):
+            self._warn(table_status(plant.muscles, P, eps), 4)
+        return P, eps
 
-    def _pull(self, pressures: Numbers, contractions: Numbers) -> Numbers:
-        """Pull of each bundle [N] at `pressures` [Pa] and `contractions` of the bundles [m]."""
-        force = self.plant.muscles.at(pressures, bundle_strains(self.plant, contractions)).force
+    def _pull(self, pressures: Numbers, strains: Numbers) -> Numbers:
+        """Pull of each bundle [N] at `pressures` [Pa] and `strains` of the units [-]."""
+        force = self.plant.muscles.at(pressures, strains).force
         pull = self.series.sum_units(self.plant.counts * force)
+        if not any(self.series.slack):
+            return pull
         # a slack muscle pulls with the rounding of its free length
         return where(np.array(self.series.slack), maximum(pull, 0.0), pull)
 
     def _warn(self, status: Whole, level: int) -> None:
         """Warn of units outside of their tables, at the caller's line, `level` frames up."""
-        if np.any(status):
+        if np.asarray(status).any():  # of a JAX array `np.any` compiles
             # the words are the same each time, so that Python shows them once for a line of code
             text = f"The {self._describe(status)}. This is shown once."
             warnings.warn(text, TableWarning, stacklevel=level)
@@ -236,7 +237,8 @@ class Drive(Module):
         check_model(model, "model", ("MjModel",))
         mujoco.mj_forward(model, data)
         P = self._check_pressures(pressures, "pressures")
-        return self.fluid_at(data.actuator_length, np.broadcast_to(P, (self.units,)) + 0.0)
+        _check_shape(np.shape(P), self.units, "pressures")
+        return self.fluid_at(data.actuator_length, P + np.zeros(self.units))
 
     def fluid_at(self, actuator_lengths: Numbers, pressures: Numbers) -> Fluid:
         """Fluid at `actuator_lengths`, of all actuators of the model [m], and units' `pressures`
@@ -266,10 +268,8 @@ class Drive(Module):
         `InvalidInputError` for a command that is none, and a simulation that diverges.
         """
         check = validate_commands if self.valved else self._check_pressures
-        values = np.asarray(check(command, "command"), float)
-        if values.shape not in {(), (self.units,)}:
-            rule = f"must be one for each of the {self.units}"
-            raise InvalidInputError("command", rule, values.size)
+        values = check(command, "command")
+        _check_shape(np.shape(values), self.units, "command")
         if act is None:
             act, fluid = self.act, Fluid(*map(np.asarray, fluid))  # which compiled steps may give
         _check_integrator(model)
@@ -278,8 +278,7 @@ class Drive(Module):
         if not np.all(np.isfinite(lengths)):
             remedy = "the simulation has diverged: take a shorter timestep, or more damping"
             raise InvalidInputError("data", "must have finite tendon lengths", None, remedy)
-        command = np.broadcast_to(values, (self.units,))
-        after, pull = act(fluid, lengths, command, model.opt.timestep)
+        after, pull = act(fluid, lengths, values + np.zeros(self.units), model.opt.timestep)
         data.ctrl[list(self.actuators)] = pull
         mujoco.mj_step2(model, data)
         self._warn(after.status, 3)
@@ -311,10 +310,11 @@ class Drive(Module):
                 supply=fluid.supply + dt * plant.supply.rates(fluid.supply, -drawn, -enthalpy),
                 consumption=fluid.consumption + dt * drawn,
             )
-        status = table_status(plant.muscles, P, bundle_strains(plant, x))
+        eps = bundle_strains(plant, x)
+        status = table_status(plant.muscles, P, eps)
         inside = xp.all(status == 0, axis=-1) & fluid.inside
         after = after._replace(pressures=P, inside=inside, contractions=x, status=status)
-        return after, self._pull(P, x)
+        return after, self._pull(P, eps)
 
     def step_mjx(
         self, model: Model, data: Data, fluid: Fluid, command: Numbers
@@ -339,8 +339,14 @@ def with_types(after: PyTree, before: PyTree) -> PyTree:
     return jax.tree.map(lambda x, y: jnp.asarray(x, y.dtype), after, before)
 
 
+def _check_shape(shape: tuple[int, ...], count: int, name: str) -> None:
+    """Refuse the `shape` of an argument called `name` that isn't one number, or `count` of them."""
+    if shape not in {(), (1,), (count,)}:
+        raise InvalidInputError(name, f"must be one, or {count}", None, shown=f"{shape[-1]}")
+
+
 def _check_integrator(model: Model) -> None:
     """Refuse a `model` stepped by Runge-Kutta: a pull constant through its stages makes energy."""
-    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+    if model.opt.integrator == _RUNGE_KUTTA:
         remedy = "take Euler or implicitfast"
         raise InvalidInputError("model.opt.integrator", "must not be RK4", "RK4", remedy, shown="")

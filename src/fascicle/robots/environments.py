@@ -16,7 +16,9 @@ import importlib
 import os
 import sys
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import gymnasium
@@ -126,6 +128,7 @@ class Environment(gymnasium.Env):
         "render_fps": 100,
     }
     task: ClassVar[EnvironmentTask]
+    _view: Any = None  # MuJoCo's viewer or renderer, once it is used
 
     def __init__(self, render_mode: str | None = None):
         """`render_mode`: "rgb_array" for `render`, "human" for MuJoCo's viewer; or `None`."""
@@ -138,20 +141,14 @@ class Environment(gymnasium.Env):
         self.data = mujoco.MjData(self.model)
         self.target = self.task.middle
         self.fluid = self.drive.start(self.model, self.data)
-        self._start()
 
-    def _start(self) -> None:
-        """Set what isn't copied to another process."""
+    @cached_property
+    def _act(self) -> Callable:
         # compiled code would wait for ever for JAX's threads, which a forked process lacks
-        self._act = self.drive.act if forked() else jax.jit(self.drive.act)
-        self._view: Any = None  # MuJoCo's viewer or renderer, once it is used
+        return self.drive.act if forked() else jax.jit(self.drive.act)
 
-    def __getstate__(self) -> dict:
+    def __getstate__(self) -> dict:  # without what another process makes anew
         return {name: value for name, value in vars(self).items() if name not in {"_act", "_view"}}
-
-    def __setstate__(self, state: dict) -> None:
-        vars(self).update(state)
-        self._start()
 
     def reset(
         self, *, seed: int | None = None, options: dict | None = None

@@ -67,12 +67,12 @@ def _sizing_table(sizing: "Sizing") -> ReprTable:
         ("contraction", f"{100 * low:.1f} to {100 * high:.1f} %"),
         ("moment arm", f"{arms.min():.1f} to {arms.max():.1f} mm about {route.torque_joint}"),
     ]
-    texts = "{0.count} × {0.name}", "{1:.0f}", "{2:.0f}", "{3:.2f}"
+    texts = "{0.count} × {0.name}", "{1:.0f}", "{2:.0f}", "{3:.3g}"
     rows = [
-        [text.format(c, 1e3 * c.length, 100 * c.margin, 1e3 * c.fluid) for text in texts]
+        [text.format(c, 1e3 * c.length, 100 * c.margin, 1e6 * c.fluid) for text in texts]
         for c in sizing.candidates
     ]
-    heads = ("muscle", "length [mm]", "margin [%]", "fluid [L]")
+    heads = ("muscle", "length [mm]", "margin [%]", "fluid [mL]")
     return ReprTable(f"A muscle for {sizing.tendon!r}", facts, heads, rows)
 
 

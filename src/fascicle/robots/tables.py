@@ -27,6 +27,8 @@ class TableStatus(enum.IntEnum):
     PRESSURE = 3
 
 
+# NumPy's integers: of a Python's number a compiled step makes another type than its input's
+_STATUS = tuple(map(np.int64, TableStatus))
 _MESSAGES = (
     "lies in its table",
     "is stretched past its table: the force of a spring, too low",
@@ -64,8 +66,7 @@ class SoftEnds(MuscleWrapper):
 def table_status(muscles: AbstractMuscles, pressures: Numbers, strains: Numbers) -> Whole:
     """A `TableStatus` of each unit of `muscles` at `pressures` [Pa] and `strains` [-]."""
     xp, (low, high) = array_namespace(pressures, strains), muscles.strains
-    # NumPy's integers: of a Python's number a compiled step makes another type than its input's
-    inside, stretched, shortened, pressure = map(np.int64, TableStatus)
+    inside, stretched, shortened, pressure = _STATUS
     status = xp.where(pressures > muscles.highest_pressure, pressure, inside)
     status = xp.where(strains > high, shortened, status)
     return xp.where(strains < low, stretched, status)

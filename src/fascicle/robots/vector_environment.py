@@ -117,7 +117,7 @@ class VectorEnvironment(VectorEnv):
         self._generators = [np_random(None)[0] for _ in range(self.num_envs)]
         self._steps = np.zeros(self.num_envs, int)
         self._over = np.ones(self.num_envs, bool)
-        self._goals: Numbers = None
+        self._episodes: list[tuple] = [()] * self.num_envs
         self._state: PyTree = None
         self._begin(self._over)
         width = self._results()[0].shape[1]
@@ -167,25 +167,20 @@ class VectorEnvironment(VectorEnv):
     def _begin(self, fresh: np.ndarray) -> None:
         """Begin episodes of the environments in the mask `fresh`, at first of all."""
         self._steps[fresh] = 0
-        episodes = [self._begin_episode(self._generators[i]) for i in np.flatnonzero(fresh)]
-        shapes = [np.shape(x) for x in episodes[0]]
+        for i in np.flatnonzero(fresh):
+            self._episodes[i] = self._begin_episode(self._generators[i])
+        shapes = [np.shape(x) for x in self._episodes[0]]
         needed = [self._blank.qpos.shape, self._blank.qvel.shape]
         if len(shapes) != 3 or shapes[:2] != needed:
             rule = f"must return qpos {needed[0]}, qvel {needed[1]} and a goal"
             raise InvalidInputError("begin", rule, None, shown=f"the shapes {shapes}")
-        rows = jax.tree.map(lambda *leaves: np.stack(leaves), *episodes)
-        if self._state is None:
-            self._positions, self._speeds, self._goals = rows
-            self._state = self._start(self._drives, self._positions, self._speeds)
-            return
-        tables = self._positions, self._speeds, self._goals
-        jax.tree.map(lambda table, x: table.__setitem__(fresh, x), tables, rows)
+        qpos, qvel, self._goals = jax.tree.map(lambda *leaves: np.stack(leaves), *self._episodes)
+        first_state = self._start(self._drives, qpos, qvel)
 
         def choose(first: jax.Array, x: jax.Array) -> jax.Array:
             return jnp.where(fresh.reshape((-1,) + (1,) * (x.ndim - 1)), first, x)
 
-        first_state = self._start(self._drives, self._positions, self._speeds)
-        self._state = jax.tree.map(choose, first_state, self._state)
+        self._state = jax.tree.map(choose, first_state, self._state or first_state)
 
     def _start_one(self, drive: Drive, qpos: Numbers, qvel: Numbers) -> tuple[Data, Fluid]:
         """Data and fluid of one environment as an episode begins."""
