@@ -419,10 +419,8 @@ class DataView(Tab):
             candidates = selection if selection.candidates else None
             progress("drawing the report")
             page = report(CalibrationResult(calibration, candidates), today, figures(calibration))
-            texts = words.warning_lines(calibration)
-            files = calibrated_files(
-                calibration, today, candidates, texts, notes=record_lines(record), with_log=False
-            )
+            lines = words.warning_lines(calibration), record_lines(record)
+            files = calibrated_files(calibration, today, *lines, with_log=False)
             return FitResult(selection, page, files["muscle.toml"])
 
         usual = f"it usually takes {_DURATIONS[kind]}, longer on a busy machine"

@@ -30,7 +30,7 @@ from ..design.task import FLUIDS, Task, example_task
 from ..muscle import Muscle
 from ..muscle.buckling import BUCKLING_LAWS
 from ..table_model import validate
-from ..units import dimension_of_unit, parse, pretty
+from ..units import dimension_of_unit, parse
 from . import named_muscles, schema, shipped_names, shipped_text
 from .measured_muscles import catalog as measured_muscles
 from .muscle_files import load_named, parse_file, provenance, read_file
@@ -81,7 +81,7 @@ class TaskFile(NamedTuple):
     catalog: Catalog
     uncertainty: Uncertainty | None
     block: int  # of a study's designs that are evaluated together
-    findings: list[Finding]  # on products that aren't available, and on fit errors
+    findings: list[Finding]  # on products
     least_margin: float
     cycle: Cycle | None
 
@@ -122,8 +122,7 @@ def _task_file(data: dict[str, Any], source: str, folder: Path) -> TaskFile:
     scatter, uncertainty = file.scatter or schema.ScatterSection(), None
     if scatter.enabled is not False:
         uncertainty = _uncertainty(scatter, design, root.child("scatter"), folder, probability)
-    findings = _fit_findings(design.muscle, folder) if uncertainty is None else []
-    findings += offer.findings if offer else []
+    findings = offer.findings if offer else []
     cycle = _cycle(file.cycle, task, root.child("cycle"))
     options = (catalog, uncertainty, block, findings, least_margin, cycle)
     return TaskFile(task, space, senses, limits, *options)
@@ -142,23 +141,13 @@ def _cycle(section: schema.CycleSection | None, task: Task, location: FileLocati
     return location.call(Cycle, **values)
 
 
-def _fit_findings(names: Sequence[str], folder: Path) -> list[Finding]:
-    """Findings on the errors of fitted muscles with these `names`."""
-    findings = []
-    for name in names:
-        if isinstance(rmse := _fit_errors(name, folder).get("rmse"), str):
-            data = {"muscle": name, "rmse": parse(rmse, "force")}
-            findings.append(Finding("muscle.fit_error", Severity.NOTE, data))
-    return findings
-
-
-def _fit_errors(name: str, folder: Path) -> dict[str, Any]:
-    """Text `rmse` and `relative_rmse` [-] of a fitted muscle, as far as they are known."""
+def _fit_error(name: str, folder: Path) -> float | None:
+    """Error of a fitted muscle's force over the largest one [-], if it is known."""
     if entry := measured_muscles.get(name):
-        rmse = None if entry.error.rmse is None else pretty(entry.error.rmse, "force", 3)
-        return {"rmse": rmse, "relative_rmse": entry.error.relative_rmse}
+        return entry.error.relative_rmse
     is_file = name not in named_muscles() and (folder / name).exists()
-    return provenance(folder / name) if is_file else {}
+    error = provenance(folder / name).get("relative_rmse") if is_file else None
+    return error if isinstance(error, float) and 0 <= error < 1 else None
 
 
 def _task(section: schema.TaskSection, location: FileLocation) -> Task:
@@ -284,8 +273,7 @@ def _uncertainty(
     others = {"enabled", "draws", "calibrated"}
     deviations = section.model_dump(exclude_none=True, exclude=others)
     usual, basis = attrs.asdict(USUAL_SCATTER), Uncertainty.basis
-    errors = [_fit_errors(name, folder).get("relative_rmse") for name in design.muscle]
-    errors = [error for error in errors if isinstance(error, float) and 0 <= error < 1]
+    errors = [e for name in design.muscle if (e := _fit_error(name, folder)) is not None]
     if design.catalog is not None:
         basis = "product"
     elif len(errors) == len(design.muscle):

@@ -128,9 +128,7 @@ def output_files(result: CalibrationResult, date: str) -> dict[str, bytes]:
     drawings = figures(fit, result.profiles, result.comparison)
     drawn = {name: to_bytes(figure, "svg") for name, figure in drawings.items()}
     page = report(result, date, drawings, drawn)
-    reasons = words.selection_reasons(result.choice)
-    lines = words.warning_lines(fit), reasons, record_lines(fit.record)
-    texts = calibrated_files(fit, date, result.choice, *lines)
+    texts = calibrated_files(fit, date, words.warning_lines(fit), record_lines(fit.record))
     texts |= {"report.html": page, "curves.csv": curves_csv(fit)}
     content = {name: text.encode() for name, text in texts.items()}
     for name, figure in drawings.items():

@@ -39,8 +39,6 @@ _CATALOGUE = {
     " {end:.4g} s",
     "scenario.command_delayed": "the command at {time:.4g} s comes with the next step, at"
     " {step:.4g} s",
-    "muscle.fit_error": "{muscle} was fitted with an error of {rmse:force} (rmse): without"
-    " [scatter] nothing counts it",
     "muscle.pressure_extrapolated": "{muscle}: a pressure of {value:pressure} is an extrapolation,"
     " it was measured up to {measured:pressure}",
     "muscle.strain_extrapolated": "{muscle}: a contraction of {value:strain} is an extrapolation,"

@@ -118,18 +118,6 @@ def test_a_muscle_file_stands_beside_the_task(tmp_path):
     assert_allclose(file.uncertainty.scatter.braid_angle, np.radians(1.0))
 
 
-def test_fit_error_is_noted(tmp_path):
-    muscle = fs.example("kim2021_slenderness_10")
-    fs.save(muscle, tmp_path / "fitted.toml", {"rmse": "12.5 N"})
-    text = PLAIN.replace("kim2021_figure_6", "fitted.toml") + "muscles = 2\n"
-    (tmp_path / "task.toml").write_text(text)
-    assert load_task(tmp_path / "task.toml").findings == []  # the draws have the model's error
-    (tmp_path / "task.toml").write_text(f"{text}[scatter]\nenabled = false\n")
-    (finding,) = load_task(tmp_path / "task.toml").findings
-    assert finding.code == "muscle.fit_error"
-    assert finding.data == {"muscle": "fitted.toml", "rmse": 12.5}
-
-
 def test_constants_are_drawn_from_the_calibration(tmp_path):
     muscle = fs.example("kim2021_slenderness_10")
     names = ["youngs_modulus_factor", "collapse_moment_factor"]
