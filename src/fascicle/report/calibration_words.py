@@ -3,7 +3,7 @@ search and the model selection.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from ..calibrate.model_selection import Candidate, Selection
 from ..calibrate.parameters import FACTOR_NAMES, parameter_descriptions
 from ..core.findings import Finding
 from ..units import pretty
-from .words import Formatter, count_text, list_text
+from .words import Part, count_text, list_text, render
 
 
 _ACTIONS = 2  # in a verdict: more are not done
@@ -121,9 +121,7 @@ def words_of(finding: Finding) -> Words:
     kind, _, name = finding.code.partition(".")
     rank, text, action = _CATALOGUE.get(finding.code) or _CATALOGUE[kind]
     data = {**finding.data, "name": name} if kind == "gauge" else finding.data
-    render = Formatter().vformat
-    texts = [part(data) if callable(part) else render(part, (), data) for part in (text, action)]
-    return Words(_TOPICS[kind], rank, *texts)
+    return Words(_TOPICS[kind], rank, render(text, data), render(action, data))
 
 
 def warnings_by_topic(calibration: Calibration) -> dict[str, tuple[str, ...]]:
@@ -555,7 +553,6 @@ def _remedy(name: str) -> str:
     return f"measure {name}{test} and give it as the prior {name}=VALUE,DEVIATION"
 
 
-Part = str | Callable[[Data], str]
 # rank, text and action by code, or by its first part
 _CATALOGUE: dict[str, tuple[int, Part, Part]] = {
     "gauge": (

@@ -4,7 +4,7 @@ The terminal and the page take the same lines and tables.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ from ..design.objectives import BY_WEIGHT, OBJECTIVES, allowed_miss_fraction
 from ..design.scatter import Uncertainty
 from ..design.summary import STANDARD_GRAVITY, Summary
 from ..units import DIMENSIONS, format_digits, pretty
+from .words import Part, render
 from .words import words as words_of_code
 
 
@@ -424,8 +425,8 @@ def _rounded(value: float, dimension: str, up: bool) -> str:
     return pretty(number * step, dimension, 4)
 
 
-def _held_open(data: Mapping[str, Any], answer: Answer) -> str:
-    cases = answer.summary.cases
+def _held_open(data: Mapping[str, Any]) -> str:
+    cases = data["answer"].summary.cases
     stroke = pretty(float(cases.task.stroke_of(cases.length)[data["case"]]), "length", 3)
     return (
         f"an on/off valve held open lets the load of case {data['case'] + 1} go to"
@@ -434,53 +435,49 @@ def _held_open(data: Mapping[str, Any], answer: Answer) -> str:
     )
 
 
-def _designs_can(count: int, answer: Answer) -> str:
-    """Words for a `count` of the evaluated designs before a verb."""
-    if answer.result.judged == 1:
-        return "the design can" if count else "the design can't"
-    return f"{count or 'none'} of {answer.result.judged} designs can"
+def _designs_can(count: int, data: Mapping[str, Any]) -> str:
+    """Words for a `count` of the evaluated designs that do the task."""
+    result = data["answer"].result
+    can = f"{count or 'none'} of {result.judged} designs can"
+    if result.judged == 1:
+        can = "the design can" if count else "the design can't"
+    return f"{can} {task_requirement(result)}"
 
 
-_CATALOGUE: dict[str, Callable[[Mapping[str, Any], Answer], str]] = {
-    "design.unsafe": lambda data, answer: (
+_CATALOGUE: dict[str, Part] = {
+    "design.unsafe": lambda data: (
         f"No design is recommended: none holds in {percent(data['demanded'])} of the draws; the"
         f" surest holds in {percent(data['share'])}. At nominal sizes"
-        f" {_designs_can(data['allowed'], answer)} {task_requirement(answer.result)} and keep all"
+        f" {_designs_can(data['allowed'], data)} and keep all"
         f' limits. To accept less, write safety = "{np.floor(100 * data["share"]):.0f} %"'
         " in [limits]."
     ),
-    "design.out_of_reach": lambda _, answer: (
-        f"No design is recommended: {_designs_can(0, answer)} {task_requirement(answer.result)}."
+    "design.out_of_reach": lambda data: f"No design is recommended: {_designs_can(0, data)}.",
+    "design.limits_broken": lambda data: (
+        f"No design is recommended: {_designs_can(data['reaching'], data)}, but not within all"
+        " other limits."
     ),
-    "design.limits_broken": lambda data, answer: (
-        f"No design is recommended: {_designs_can(data['reaching'], answer)}"
-        f" {task_requirement(answer.result)}, but not within all other limits."
-    ),
-    "design.limit_costs": lambda data, _: (
+    "design.limit_costs": lambda data: (
         f"the limit on {objective_label(data['objective'])} excludes {data['costs']} of the"
         f" {data['reaching']} designs that do the task: theirs is"
         f" {format_objective(data['objective'], data['least'])} to"
         f" {format_objective(data['objective'], data['most'])}."
     ),
-    "design.product_excluded": lambda data, _: (
-        f"{data['product']} must not be used: {data['reason']}."
-    ),
-    "design.small_margin": lambda data, _: (
+    "design.small_margin": lambda data: (
         f"the margin is {percent(data['margin'])}, below {percent(data['least'])} ([limits]"
         " margin). Computed forces can be off by tens of percent: it may fail the task."
     ),
-    "design.no_valve": lambda data, _: (
+    "design.no_valve": lambda data: (
         "No design is recommended: no valve is fast enough for the best, a hose of"
         f" {pretty(data['hose_length'] or 0.0, 'length', 3)} up to {1e3 * WIDEST_BORE:g} mm wide"
         " lets too little air through. Take a shorter hose, or"
         " more time, in [cycle]."
     ),
-    "design.cycle_failed": lambda data, _: (
+    "design.cycle_failed": lambda data: (
         "No design is recommended: the best fails its cycle in the run over time, lifted after"
         f" {_time_text(data['lifted'])}, released after {_time_text(data['released'])}, overshoot"
         f" {percent(max(data['overshoot'], 0.0))}. Allow more time in [cycle], or damp the load."
     ),
-    "design.judged_in_part": lambda data, _: f"only {data['judged']} designs were judged in draws.",
     "design.held_open": _held_open,
 }
 
@@ -493,5 +490,5 @@ def further_findings(answer: Answer) -> list[Finding]:
 def words(finding: Finding, answer: Answer) -> str:
     """A finding in words, a sentence."""
     if finding.code in _CATALOGUE:
-        return _CATALOGUE[finding.code](finding.data, answer)
+        return render(_CATALOGUE[finding.code], {**finding.data, "answer": answer})
     return f"{words_of_code(finding)}."

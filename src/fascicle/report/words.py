@@ -1,6 +1,6 @@
 """Words of findings: what is so and what to do, by code; numbers in readable units.
 
-Calibrations and designs have catalogues of their own, which need more than the finding.
+A catalogue has a `Part` for each code. Those of calibrations and designs stand beside their words.
 """
 
 import string
@@ -19,7 +19,8 @@ _SWINGS = (
     " {lateness:.4g} s late, and pressures will swing; "
 )
 _EVENT = "{code} from {first:.4g} s to {last:.4g} s: "
-_CATALOGUE = {
+Part = str | Callable[[Mapping[str, Any]], str]  # a format, or a function of a finding's data
+_CATALOGUE: dict[str, Part] = {
     "run.unbalanced": "the {balance} doesn't close: its residual is {residual:.1e} of its largest"
     " term, more than {tolerance:g}",
     "run.volume_not_conjugate": "{energy:.3g} J in the {balance} are made by the volume: the"
@@ -45,6 +46,8 @@ _CATALOGUE = {
     " it was measured up to {measured:strain}",
     "muscle.length_extrapolated": "{muscle}: a length of {value:length} is an extrapolation, it was"
     " fitted at {measured:length}",
+    "design.product_excluded": "{product} must not be used: {reason}",
+    "design.judged_in_part": "only {judged} designs were judged in draws",
     "product.length_unavailable": "{product} isn't made {lengths:lengths} long, but from"
     " {shortest:length} to {longest:longest}",
     "product.parts_borrowed": "{products:list} have {parts:keys} of {muscle}",
@@ -74,7 +77,7 @@ def _column(data: Mapping[str, Any]) -> str:
     return text + (", less the atmosphere" if data["absolute"] else "")
 
 
-_RECORD = {
+_RECORD: dict[str, Part] = {
     "sidecar": "{sidecar} read with it",
     "sidecar_beside": "{sidecar} beside it read",
     "sidecar_of_muscle": "{sidecar} beside it not read: it describes a muscle",
@@ -106,6 +109,7 @@ _RECORD = {
     "duplicates": "{first} and {second} hold the same readings, which count twice: leave one out",
     "averaged": "hysteresis averaged: {loops} of {levels} levels have both branches",
     "ramps": "{count} readings of ramps between sweeps left out of the fit",
+    "column": _column,
 }
 
 
@@ -146,6 +150,11 @@ class Formatter(string.Formatter):
         return str(super().format_field(value, format_spec))
 
 
+def render(part: Part, data: Mapping[str, Any]) -> str:
+    """Text of a catalogue's `part`."""
+    return part(data) if callable(part) else Formatter().vformat(part, (), data)
+
+
 def notes(findings: Iterable[Finding]) -> list[str]:
     """Findings that are no errors, a sentence each."""
     return [f"{words(each)}." for each in findings if each.severity is not Severity.ERROR]
@@ -153,8 +162,9 @@ def notes(findings: Iterable[Finding]) -> list[str]:
 
 def words(finding: Finding) -> str:
     """A finding in words, without a full stop."""
-    data: Mapping[str, Any] = {"code": finding.code.partition(".")[2], **finding.data}
-    return Formatter().vformat(_CATALOGUE[finding.code], (), data)
+    return render(
+        _CATALOGUE[finding.code], {"code": finding.code.partition(".")[2], **finding.data}
+    )
 
 
 def record_lines(record: Record) -> list[str]:
@@ -169,6 +179,5 @@ def record_doubts(record: Record) -> list[str]:
 
 def _record_line(finding: Finding) -> str:
     """Words of a record's finding, after the name of its file."""
-    code, data = finding.code.removeprefix("record."), finding.data
-    text = _column(data) if code == "column" else Formatter().vformat(_RECORD[code], (), data)
-    return f"{data['file']}: {text}" if "file" in data else text
+    text = render(_RECORD[finding.code.removeprefix("record.")], finding.data)
+    return f"{finding.data['file']}: {text}" if "file" in finding.data else text
