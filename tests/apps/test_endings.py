@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
@@ -101,22 +100,6 @@ def test_a_sweep_resumes_after_control_c(tmp_path, workers):
     assert process.returncode == 0 and int(err.split(" of ")[0]) >= 3
 
 
-@pytest.mark.skipif(not Path("/bin/sh").exists(), reason="needs a shell")
-@pytest.mark.parametrize(("target", "redirection", "code"), [
-    (SIX, ">&-", 1), (SIX, "2>&-", 0), (SIX, "<&-", 0), ("nobody", ">&- 2>&-", 2),
-])  # fmt: skip
-def test_streams_that_are_closed(target, redirection, code):
-    command = f'exec "$0" -m fascicle muscles {target} {redirection}'
-    done = subprocess.run(
-        ["/bin/sh", "-c", command, sys.executable], capture_output=True, text=True, env=ENVIRONMENT
-    )
-    assert done.returncode == code
-    if code == 0:
-        assert done.stdout.startswith("# ")
-    elif target == SIX:
-        assert done.stderr.startswith("error: standard output") and done.stderr.count("\n") == 1
-
-
 def test_a_closed_pipe_is_quiet():
     command = [sys.executable, "-m", "fascicle", "muscles", SIX]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -133,12 +116,6 @@ def test_a_missing_device_is_one_line(platform):
     )  # fmt: skip
     assert done.returncode == 2 and done.stderr.count("\n") == 1
     assert f"JAX_PLATFORMS={platform}" in done.stderr
-
-
-@pytest.mark.parametrize("epoch", ["abc", "-1", "9" * 17])
-def test_a_date_of_the_environment_that_is_none_is_one_line(refused, monkeypatch, epoch):
-    monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
-    assert refused("muscles").startswith(f"SOURCE_DATE_EPOCH={epoch}: ")
 
 
 def test_a_message_has_an_end(refused, tmp_path):

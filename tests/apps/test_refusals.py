@@ -63,7 +63,7 @@ LINES = [
     (f"calibrate d.csv -m {TEN} --collapse nobody", "--collapse 'nobody' is unknown"),
     (f"calibrate d.csv -m {TEN} --fit c10,c11", "--fit 'c11' is unknown: did you mean 'c10'?"),
     (f"calibrate d.csv -m {TEN} --prior foo=12mm,1mm", "--prior 'foo' is unknown"),
-    (f"calibrate d.csv -m {TEN} --fit c01 --prior c10=1kPa,2kPa", "add it to --fit"),
+    (f"calibrate d.csv -m {TEN} --fit c01 --prior c10=1kPa,2kPa", "--prior"),
     (f"calibrate d.csv -m {TEN} --loss huber", "--loss 'huber' is unknown"),
     (f"calibrate d.csv -m {TEN} --loss soft_l1 --posterior", "--posterior: needs --loss linear"),
     (f"calibrate d.csv -m {TEN} --column force=nothing", "nothing"),

@@ -4,7 +4,6 @@ import atexit
 import contextlib
 import io
 import os
-import re
 import signal
 import sys
 import warnings
@@ -31,7 +30,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     3 an incomplete result; 70 a bug; 130 Ctrl-C.
     """
     arguments = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
-    _open_streams()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # an ASCII terminal still gets its numbers
     warnings.showwarning = _warning_printer()
     try:
         code, message = _run_command(arguments)
@@ -85,9 +86,6 @@ def _print_version(value: bool) -> None:
 
 def _run_command(arguments: list[str]) -> tuple[int, str]:
     """Run the command line `arguments`; exit code, and one line for any error."""
-    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")  # libraries read it when they are imported
-    if not re.fullmatch(r"\d{0,11}", epoch, re.ASCII):
-        return 2, f"SOURCE_DATE_EPOCH={epoch}: must be whole seconds since 1970: unset it."
     try:
         code = make_app()(arguments, prog_name="fascicle", standalone_mode=False)
         sys.stdout.flush()
@@ -99,17 +97,6 @@ def _run_command(arguments: list[str]) -> tuple[int, str]:
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return exit_code_and_message(error)
     return code if isinstance(code, int) else 0, ""
-
-
-def _open_streams() -> None:
-    """Replace closed streams, whose numbers new files would get, and let any terminal print."""
-    # standard output opens for reading: printing to it is an error that the user sees
-    for name, mode in (("stdin", "r"), ("stdout", "r"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, mode))  # noqa: PTH123, SIM115 open until the process ends
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # an ASCII terminal still gets its numbers
 
 
 def _warning_printer() -> Callable[..., None]:

@@ -23,7 +23,7 @@ from .bundle import check_equilibria, print_states
 from .errors import UserError, user_errors
 from .inputs import check_grid, load_laws, read_list, read_muscle, read_states, read_target
 from .options import Text, argument, complete_target, flag, option, with_options
-from .outputs import Outputs, check_file, replace_output, write_text
+from .outputs import Outputs, check_file, write_picture, write_text
 from .terminal import count_decimals, grid, kpa, number, print_line, print_table, print_text, status
 
 
@@ -260,8 +260,7 @@ def init(
         check_file("--protractor", protractor, overwrite, [".svg", ".pdf", ".png"])
         from ..plot import protractor as pictures
 
-        with replace_output("--protractor", protractor, overwrite) as draft:
-            draft.write_bytes(fs.plot.to_bytes(pictures.protractor(), draft.suffix.lower()[1:]))
+        write_picture("--protractor", protractor, overwrite, pictures.protractor())
         print_line(f"wrote {protractor}: print it at 100 %")
         if path is None and not sizes:
             return

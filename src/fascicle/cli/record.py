@@ -282,7 +282,7 @@ def calibrate(
         from ..calibrate import intervals
         from ..report.calibration import CalibrationResult, output_files
 
-        priors = _read_priors(prior_texts, start, names)
+        priors = _read_priors(prior_texts, start)
         choice = None
         if names is None:
             laws = [kind for kind in ("ends", "material") if getattr(sizes, kind) is not None]
@@ -351,27 +351,22 @@ def read_start(target: str | None, sizes: Start) -> "fs.Muscle":
         return fs.Muscle(**changes)
 
 
-def _read_priors(
-    texts: Mapping[str, str], muscle: "fs.Muscle", names: list[str] | None
-) -> dict[str, "fitting.Prior"]:
+def _read_priors(texts: Mapping[str, str], muscle: "fs.Muscle") -> dict[str, "fitting.Prior"]:
     from ..calibrate.parameters import select_parameters
 
     priors = {}
     for name, text in texts.items():
-        flag = f"--prior {name}={text}"
         try:
             dimension = select_parameters([name], muscle)[0].dimension
         except InvalidInputError as error:
             raise InvalidInputError("prior", error.rule, name, error.remedy, shown="") from None
-        if names not in (None, [_TUNING]) and name not in names:
-            raise UserError(f"{flag}: {name} isn't fitted: add it to --fit, or drop the prior.")
         numbers = text.split(",")
         if len(numbers) != 2:
-            raise UserError(f"{flag}: write a value and its standard deviation, with a comma.")
-        prior = fitting.Prior(*(parse(number, dimension, f"--prior {name}") for number in numbers))
-        if prior.deviation <= 0:
-            raise UserError(f"{flag}: its standard deviation must be positive.")
-        priors[name] = prior
+            raise UserError(
+                f"--prior {name}={text}: write a value and its standard deviation, with a comma."
+            )
+        values = (parse(number, dimension, f"--prior {name}") for number in numbers)
+        priors[name] = fitting.Prior(*values)
     return priors
 
 

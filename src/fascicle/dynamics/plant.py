@@ -218,8 +218,5 @@ def _check_fit(bundles: tuple[Bundle, ...], parts: dict[str, Any]) -> None:
     if is_concrete(compliance) and not np.all(np.asarray(compliance) > 0):
         least = float(np.min(compliance))
         rule = "must be positive for a liquid, which hardly gives way itself"
-        remedy = (
-            "pass LiquidChamber(compliance=2e-11), in m³/Pa, that of bladder, hose and fittings"
-        )
-        remedy += " of each motor unit"
+        remedy = "write 2e-11 m^3/Pa, as of bladder, hose and fittings of each motor unit"
         raise InvalidInputError("compliance", rule, least, remedy, f"{least:g} m³/Pa")

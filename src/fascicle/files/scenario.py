@@ -430,10 +430,6 @@ def scenario_from_dict(
         for key in classes
     }
     units = sum(len(bundle.motor_units) for bundle in bundles)
-    sides = 2 if classes["load"] is dynamics.AntagonisticJoint else 1
-    if len(bundles) != sides:
-        rule = "must be a list of two for a joint" if sides == 2 else "must be one for this load"
-        raise root.error(("bundle",), f"{rule}, got {len(bundles)}.")
     _check_list_lengths(tables, classes, units, root)
     parts = _parts(tables, classes, root)
     run = file.run
@@ -614,10 +610,6 @@ def _medium(section: dict[str, Any], liquid: bool, location: FileLocation) -> An
     if liquid == isinstance(medium, fluid.Gas):
         phase, kinds = ("gas", "adiabatic_wall or isothermal") if liquid else ("liquid", "liquid")
         raise location.error(("medium",), f"{name} is a {phase}: take chamber = {kinds}.")
-    if liquid and not np.all(np.asarray(section.get("compliance", 0.0)) > 0):
-        rule = "must be positive for a liquid, which itself is nearly incompressible: write"
-        example = 'compliance = "2e-11 m^3/Pa", of bladder, hose and fittings of each motor unit.'
-        raise location.error(("compliance",), f"{rule} {example}")
     return medium
 
 

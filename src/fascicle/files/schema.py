@@ -51,6 +51,7 @@ _KEYS: dict[str, dict[str, tuple[str, ...]]] = {
     "scenario": {
         **{name: ("run", name) for name in ("pressures", "position", "law", "volume")},
         "units": ("spool",),
+        "compliance": ("fluid", "compliance"),
     },
     "motion": {"position": ("load",), "pressures": ("run", "pressures")},
     "part": {"gas": ("medium",), "liquid": ("medium",)},

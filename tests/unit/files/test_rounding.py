@@ -1,6 +1,5 @@
 """A calibrated muscle's file is the muscle that was fitted, rounded far below its uncertainty."""
 
-
 import numpy as np
 import pytest
 
