@@ -213,6 +213,7 @@ def _json(answer: "fs.design.Answer", notes: list[str], findings: "list[Finding]
     import numpy as np
 
     from ..core.findings import Severity
+    from ..design.answer import extrapolations
     from ..report.design_summary import assumptions, words
     from ..results.labelled import to_json
 
@@ -228,6 +229,10 @@ def _json(answer: "fs.design.Answer", notes: list[str], findings: "list[Finding]
         "warnings": [words(finding, answer) for finding in warnings],
         "findings": [finding.to_json() for finding in [*answer.findings, *findings]],
         "robustness": answer.robustness,
+        "extrapolations": [
+            [finding.to_json() for finding in extrapolations(result, int(index))]
+            for index in result.front
+        ],
         "pressures": summary.cases.pressures.tolist(),
         "offers": result.offers,
     }

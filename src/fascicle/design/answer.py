@@ -15,7 +15,7 @@ import numpy as np
 
 from ..core.findings import Finding, Severity
 from ..core.validation import HIGHEST_PRESSURE
-from ..muscle.validation import fitted_length_mismatch
+from ..muscle.validation import LENGTH_TOLERANCE
 from .cycle import CycleRun, run_cycle
 from .designs import Designs
 from .evaluation import evaluate
@@ -187,7 +187,7 @@ def answer_search(result: SearchResult) -> Answer:
         except ModuleNotFoundError as error:
             if (error.name or "").partition(".")[0] not in ("jax", "equinox", "diffrax"):
                 raise
-    findings = _findings(result, summary, run) + _extrapolations(result, design, summary)
+    findings = _findings(result, summary, run) + extrapolations(result, index)
     if findings[:1] and findings[0].severity is Severity.ERROR:
         result = replace(result, nearest=index)
     return Answer(
@@ -259,15 +259,14 @@ def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> l
     return findings
 
 
-def _extrapolations(result: SearchResult, design: Designs, summary: Summary) -> list[Finding]:
-    """Findings on a design beyond what was measured of its muscle."""
-    task, muscle, name = result.task, design.muscle(0), list(design.drawings)[design.kind[0]]
-    findings = list[Finding]()
-    if (extrapolations := result.catalog.extrapolations.get(name)) is not None:
-        strain = float(task.strain_of(summary.cases.length).max())
-        findings += extrapolations(task.supply_pressure, strain)
-    if muscle.fitted_length is not None and fitted_length_mismatch(muscle):
-        data = {"value": float(muscle.length), "measured": muscle.fitted_length.length}
-        code = "muscle.length_extrapolated"
-        findings.append(Finding(code, Severity.WARNING, {"muscle": name, **data}))
+def extrapolations(result: SearchResult, index: int) -> list[Finding]:
+    """Findings on the recorded design with an `index` beyond what was measured of its muscle."""
+    design, task = result.all_designs(np.array([index])), result.task
+    name, length = list(design.drawings)[design.kind[0]], float(design.length[0])
+    findings, fitted = list[Finding](), design.drawings[name].fitted_length
+    if (of_measured := result.catalog.extrapolations.get(name)) is not None:
+        findings += of_measured(task.supply_pressure, float(task.strain_of(length).max()))
+    if fitted is not None and abs(length / fitted.length - 1) > LENGTH_TOLERANCE:
+        data = {"muscle": name, "value": length, "measured": fitted.length}
+        findings.append(Finding("muscle.length_extrapolated", Severity.WARNING, data))
     return findings

@@ -48,7 +48,7 @@ _BEAM = 7.0  # length over radius, below which beams' theory ends: sections don'
 _DISK = 2.0
 # a braid locks where its fibers touch, at 10 deg or more; the law's own end is at 54.7356 deg
 _ANGLE = Range("deg", 1.0, 8.0, 52.0, math.inf)
-_LENGTH_TOLERANCE = 0.02  # of a fitted length: two people measure it as closely
+LENGTH_TOLERANCE = 0.02  # of a fitted length: two people measure it as closely
 END_PARAMETERS = frozenset({"inactive_length", "end_compliance"})
 _LARGEST_RATIO = 1.5  # of the bladder's strain to the muscle's: a third of the length inactive
 
@@ -280,7 +280,7 @@ def fitted_length_mismatch(muscle: "Muscle") -> str:
         return ""
     length, ends = muscle.fitted_length
     lengths = np.asarray(muscle.length)
-    if not np.any(np.abs(lengths / length - 1) > _LENGTH_TOLERANCE):
+    if not np.any(np.abs(lengths / length - 1) > LENGTH_TOLERANCE):
         return ""
     extremes = dict.fromkeys(pretty(float(x), "length") for x in (lengths.min(), lengths.max()))
     return (

@@ -4,13 +4,14 @@ The terminal and the page take the same lines and tables.
 """
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..core.findings import Finding
-from ..design.answer import Answer, Remedy
+from ..design.answer import Answer, Remedy, extrapolations
 from ..design.cycle import BAND, WIDEST_BORE, CycleRun
 from ..design.designs import Designs, label
 from ..design.exhaustive_search import SearchResult
@@ -216,6 +217,10 @@ def _designs_table(
     if np.isfinite(price).any():
         columns["price"] = [f"{value:.6g} {result.catalog.currency}" for value in price]
     columns["sizes"] = [_muscle_sizes(result, designs, i) for i in range(len(rows))]
+    codes = [[x.code for x in extrapolations(result, row)] for row, _ in rows]
+    if any(codes):
+        quantities = [[re.split(r"[._]", code)[1] for code in row] for row in codes]
+        columns["extrapolated"] = [", ".join(row) or "-" for row in quantities]
     return Table(
         title, list(columns), list(map(list, zip(*columns.values(), strict=True))), caption
     )
