@@ -1,8 +1,7 @@
 """Choosing pressures in time: crossings without a dip, policies of recruitment, a cascade of
 controllers.
 
-Names load when they are first used: dips and step responses need no JAX, whatever runs in time
-does.
+Names load when they are first used: dips need no JAX, whatever runs in time does.
 """
 
 from typing import TYPE_CHECKING

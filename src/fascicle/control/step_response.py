@@ -1,18 +1,20 @@
 r"""Delay and lag of a valve from its step response, and the margins of a pressure loop.
 
-A valve opens at once at $t_0$. Its spool follows with the lag $\tau_v$ and all is seen late by the
-delay $\theta$. The flow is proportional to the opening, so pressure is a function of the sum of
-the opening alone, whatever the chamber is. That function is smooth, a polynomial of low degree:
+A valve is opened at $t_0$. Its spool follows with the lag $\tau_v$, and all is seen late by the
+delay $\theta$. The flow is proportional to the opening, so the pressure is a function of the sum of
+the opening, whatever its course was,
 
-$$P = \sum_k c_k s^k, \qquad s = u - \tau_v \left(1 - e^{-u/\tau_v}\right), \qquad
-  u = \max(t - t_0 - \theta, 0). \tag{K7}$$
+$$P = \Phi(c\, s), \qquad
+  s = u - \tau_v \left(1 - e^{-u/\tau_v}\right), \qquad u = \max(t - t_0 - \theta, 0), \tag{K7}$$
 
-A record tells delay and lag apart only if it has enough samples while the spool moves, and little
-noise. The polynomial has the highest degree with which both are known to 10 % of their sum: twice
-the standard error, for 95 %. One degree less has to give the same within 10 %; else the record is
-refused. Residuals of a curve that the polynomial misses are alike from sample to sample. So many
-count as fewer, $n (1 - \rho)/(1 + \rho)$ with their autocorrelation $\rho$ (Bayley and Hammersley,
-1946), and the standard errors grow.
+and the plant's chamber and valve, opened by $c$ at once, give $\Phi$. Exact for an isothermal gas
+and a liquid, it misses only what heat flows while the spool moves. Delay, lag, the first pressure,
+and $c$, which is the command and what the valve lets pass beyond the plant's, are fitted by least
+squares. Residuals of a plant that differs from the bench are alike from sample
+to sample. So many count as fewer, $n (1 - \rho)/(1 + \rho)$ with their autocorrelation $\rho$
+(Bayley and Hammersley, 1946). What delay and lag change by if $c$ may vary along the way,
+$c\,(1 + a s)$, is added to their standard errors, and $\Delta t/\sqrt{12}$, as no record shows
+what happens between its samples.
 
 The pressure loop (K3) is an integrator with that lag and delay,
 
@@ -21,28 +23,35 @@ $$L(s) = \frac{e^{-\theta s}}{\tau s\,(1 + \tau_v s)}: \tag{K8}$$
 its phase margin is $\pi/2 - \omega_c \theta - \arctan \omega_c \tau_v$ where $|L| = 1$, its gain
 margin $1/|L|$ where the phase is $-\pi$.
 
-**Assumes** a constant supply, no collapse of the muscle on the way, and noise that is independent
-from sample to sample. **Source:** Åström and Hägglund (2006), Advanced PID Control, for margins;
-(K7) derived here.
+**Assumes** a held load, a constant supply, and noise that is independent from sample to sample.
+**Source:** Åström and Hägglund (2006), Advanced PID Control, for margins; (K7) derived here.
 """
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, least_squares
 
 from ..core.errors import InvalidInputError
-from ..core.types import Values
+from ..core.module import with_fields
+from ..core.types import Numbers, Values
 from ..core.validation import check_finite, check_nonnegative, check_positive
+from ..dynamics import Plant, State
+from ..dynamics.chamber_pressure import evaluate_chambers
+from ..dynamics.motion import evaluate_flows
+from ..fluid import Direct
 
 
-_LEAST = 10  # samples after the step: more than the six numbers that are fitted
-_DEGREES = (2, 3, 4)  # of the polynomial: 5 follows a kink of the chamber as if it were a lag
-_SHARE = 0.8  # of the pressure's change: nearer its end the flow vanishes like a square root
+_LEAST = 10  # samples after the step: twice the numbers that are fitted
+_STEPS = 400  # of a chamber's curve in the record's time: within 1e-4 of its change
+_LONGEST = 10  # times the record's time, if the valve lets pass as much less than the plant's
+_SHARE = 0.8  # of the pressure's change: the slow end tells nothing of the spool
 _UNSURE = 0.1  # of delay and lag together: margins of a loop change by as much
 _TWO_SIDED = 2.0  # standard errors, within which 95 % of estimates lie
-# of the record: first guesses, closer where a valve's times usually are
-_GUESSES = (0.005, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55)
+_BEYOND = 1.2  # times the change of a record, up to which a curve goes
+# first guesses, of the record's time: closer where a valve's times usually are
+_GUESSES = (0.005, 0.02, 0.05, 0.1, 0.2, 0.3, 0.45)
 
 
 class StepResponse(NamedTuple):
@@ -65,19 +74,37 @@ class StepResponse(NamedTuple):
 
 
 class LoopMargins(NamedTuple):
-    """Margins of a pressure loop: `gain` [-] and `phase` [rad]."""
+    """Margins of a pressure loop: `gain`, a factor on its gain, not decibels [-], and `phase`, in
+    radians [rad].
+    """
 
     gain: float
     phase: float
 
 
-def identify(time: Values, command: Values, pressure: Values) -> StepResponse:
-    """The `StepResponse` [s] of a valve: samples at each `time` [s] of its `command` [-], constant
-    but for one step, and of the `pressure` in the unit's chamber [Pa].
+def identify(
+    time: Values,
+    command: Values,
+    pressure: Values,
+    plant: "Plant",
+    unit: int = 1,
+    position: Values = 0.0,
+) -> StepResponse:
+    """Delay and lag of a valve from a record of its step response.
 
-    **Raises:** `InvalidInputError` for rows of unequal length, times that don't rise, a command
-    without a step or with several, fewer than ten samples after it, and a pressure that doesn't
-    tell delay and lag apart.
+    **Arguments:**
+
+    - `time`: of each sample, rising [s].
+    - `command`: at each sample, zero up to one step [-].
+    - `pressure`: in the unit's chamber at each sample [Pa].
+    - `plant`: whose chamber and valve are recorded; its spool and delays don't count.
+    - `unit`: the motor unit, counted from 1.
+    - `position`: at which the load is held [m or rad]; a prescribed motion has its own.
+
+    **Returns:** a `StepResponse` [s]. **Raises:** `InvalidInputError` for rows of unequal length,
+    times that don't rise, a command without one step from zero, fewer than ten samples after it, a
+    unit that doesn't exist, and a pressure that can't follow the step or doesn't tell delay and lag
+    apart.
     """
     t = np.atleast_1d(check_finite(time, "time", "s"))
     z = np.atleast_1d(check_finite(command, "command", "-"))
@@ -87,59 +114,125 @@ def identify(time: Values, command: Values, pressure: Values) -> StepResponse:
     for name, row in (("command", z), ("pressure", P)):
         if row.shape != t.shape:
             raise InvalidInputError(name, "must have one value for each time", np.size(row))
+    if unit not in range(1, plant.units + 1):
+        raise InvalidInputError("unit", f"must be from 1 to {plant.units}", unit)
     steps = np.flatnonzero(np.diff(z) != 0)
-    if len(steps) != 1:
-        raise InvalidInputError("command", "must have one step", len(steps), "cut the record")
+    if len(steps) != 1 or z[0] != 0:
+        rule = "must be zero and then have one step"
+        raise InvalidInputError("command", rule, len(steps), "cut the record", f"{len(steps)}")
     first = int(steps[0]) + 1
     if len(t) - first < _LEAST:
         rule = f"must have at least {_LEAST} samples after the step"
         raise InvalidInputError("time", rule, len(t) - first, "record longer")
-    change = np.abs(P - np.median(P[:first]))
+    start = float(np.median(P[:first]))
+    change = np.abs(P - start)
     change[:first] = 0.0
     # the first sample of most of the change, and no fewer than are needed
     end = max(int(np.argmax(change >= _SHARE * change.max())) + 1, first + _LEAST)
-    fits = [_fit(t[:end] - t[first], P[:end], degree) for degree in _DEGREES]
-    # the highest degree that noise permits, and the one below
-    errors = [_TWO_SIDED * max(fit.delay_error, fit.lag_error) for fit in fits]
-    certain = [e <= _UNSURE * fit.lateness for e, fit in zip(errors, fits, strict=True)]
-    last = max(1, len(fits) - 1 - int(np.argmax(certain[::-1])))
-    best, other = fits[last], fits[last - 1]
-    difference = max(abs(best.delay - other.delay), abs(best.lag - other.lag))
-    doubt = max(difference, errors[last])
-    sample = float(np.median(np.diff(t)))  # a delay within a sample is none that matters
-    # written so that a doubt that isn't a number is one as well
-    if not doubt <= max(_UNSURE * best.lateness, sample / 2):
+    q = plant.load.motion_at(0.0, float(check_finite(position, "position", "SI")), 0.0)[0]
+    opening, filling = abs(float(z[first])), bool(z[first] > 0)
+    start = max(start, 0.0)
+    if start >= plant.supply_pressure if filling else start <= 0:
+        rule = "must begin below the supply's" if filling else "must begin above the room's"
+        raise InvalidInputError("pressure", f"{rule} for this step", start, shown=f"{start:g} Pa")
+    rows = t[:end] - t[first], P[:end]
+    chamber = plant, unit - 1, float(q), start, filling
+    # heat flows in time, so that the curve depends on the opening, by little
+    _, opening = _fit(*rows, _chamber_curve(*chamber, opening, *rows), opening, bends=0)
+    curve = _chamber_curve(*chamber, opening, *rows)
+    (best, _), (other, _) = (_fit(*rows, curve, opening, bends) for bends in (0, 1))
+    sample = float(np.median(np.diff(t)))
+    misfit = np.array([best.delay - other.delay, best.lag - other.lag])
+    errors = np.array([best.delay_error, best.lag_error])
+    errors = np.sqrt(errors**2 + misfit**2 + sample**2 / 12)
+    doubt = _TWO_SIDED * float(np.max(errors))
+    # written so that a doubt that isn't a number is one as well; a sample's delay hardly matters
+    if not doubt <= max(_UNSURE * best.lateness, sample):
         rule = f"must tell delay and lag apart, each within {100 * _UNSURE:.0f} % of their sum"
-        remedy = "record a step between other pressures, faster samples, or less noise"
+        remedy = "record faster, or with less noise, from a pressure at which `plant` is right"
         text = f"an uncertainty of {1e3 * doubt:.3g} ms of {1e3 * best.lateness:.3g} ms"
         raise InvalidInputError("pressure", rule, doubt, remedy, shown=text)
-    return best
+    return best._replace(delay_error=float(errors[0]), lag_error=float(errors[1]))
 
 
-def _fit(elapsed: np.ndarray, pressure: np.ndarray, degree: int) -> StepResponse:
-    """Fit (K7) with a polynomial of a `degree` to a `pressure` [Pa] at times since the step [s]."""
+class _Curve(NamedTuple):
+    """Pressures in a chamber [Pa] after each of the `sums` of its valve's opening [s]."""
+
+    sums: Numbers
+    pressures: Numbers
+
+
+def _chamber_curve(
+    plant: Plant,
+    index: int,
+    position: float,
+    start: float,
+    filling: bool,
+    opening: float,
+    elapsed: Numbers,
+    pressure: Numbers,
+) -> _Curve:
+    """Pressures in the chamber of a `plant`'s unit of an `index`, with the load at a `position`
+    [SI], from a pressure `start` [Pa] to beyond a record's last `pressure` [Pa], by Heun's method
+    in steps of its `elapsed` time [s], with the valve at an `opening` [-], also beyond one.
+    """
+    chamber, supply, strains = plant.chamber, plant.supply.initial_state(), plant.strains(position)
+    plant = with_fields(plant, spool=Direct())
+    P, wide = np.zeros(plant.units), np.zeros(plant.units)
+    P[index], wide[index] = start, 1.0 if filling else -1.0
+    s, rows = plant.chambers_at(P, position), [start]
+    h, target = elapsed[-1] / _STEPS, _BEYOND * abs(pressure[-1] - start)
+
+    def rates(s: Numbers, P: Numbers) -> tuple[Numbers, Numbers]:
+        fluid = evaluate_chambers(plant, s, strains, P)
+        flows = evaluate_flows(plant, State(position, 0.0, P[:0], s, P, supply), P, wide)
+        inflow = opening * flows.mass, opening * flows.enthalpy
+        P_dot = fluid.pressure_rate(chamber.rates(s, P, *inflow, 0.0), 0.0)
+        return chamber.rates(s, P, *inflow, fluid.by_pressure * P_dot), P_dot
+
+    with np.errstate(all="ignore"):  # of branches that aren't taken
+        while abs(rows[-1] - start) < target and len(rows) < _LONGEST * _STEPS:
+            s_1, P_1 = rates(s, P)
+            s_2, P_2 = rates(s + h * s_1, P + h * P_1)
+            s, P = s + h / 2 * (s_1 + s_2), P + h / 2 * (P_1 + P_2)
+            rows.append(float(P[index]))
+    return _Curve(opening * h * np.arange(len(rows)), np.array(rows))
+
+
+def _fit(
+    elapsed: Numbers, pressure: Numbers, curve: _Curve, opening: float, bends: int
+) -> tuple[StepResponse, float]:
+    """Fit (K7) with a chamber's `curve` [Pa] to a `pressure` [Pa] at times since a step to an
+    `opening` [-]: the response, and $c$ [-], which varies along the way with one of `bends`.
+    """
     span = float(elapsed[-1])
     scale = max(float(np.ptp(pressure)), 1.0)
 
     def residuals(values: np.ndarray) -> np.ndarray:
-        delay, lag = values * span
-        u, lag = np.maximum(elapsed - delay, 0.0), max(lag, 1e-9 * span)  # no division by zero
-        s = (u + lag * np.expm1(-u / lag)) / span
-        columns = (s / max(s[-1], 1e-9))[:, None] ** np.arange(degree + 1)
-        return (pressure - columns @ np.linalg.lstsq(columns, pressure, rcond=None)[0]) / scale
+        delay, lag, offset, size, *bend = values
+        u, lag = np.maximum(elapsed - delay * span, 0.0), max(lag, 1e-9) * span
+        s = u + lag * np.expm1(-u / lag)
+        opened = np.exp(size) * s * (1 + sum(bend) * s / span)
+        return (np.interp(opened, *curve) - pressure) / scale + offset
 
-    guesses = [np.array([delay, lag]) for delay in _GUESSES for lag in _GUESSES]
+    sizes = np.log(opening) + np.log([0.5, 1.0, 2.0])
+    guesses = [np.array(row) for row in itertools.product(_GUESSES, _GUESSES, [0.0], sizes)]
     guess = min(guesses, key=lambda values: float(np.sum(residuals(values) ** 2)))
-    fit = least_squares(residuals, guess, bounds=(0.0, 1.0), x_scale=0.05, diff_step=1e-3)
-    variance = 2 * fit.cost / max(len(elapsed) - degree - 3, 1)
+    guess = np.append(guess, np.zeros(bends))
+    low, high = np.array([0.0, 0.0, -1.0, -9.0, -9.0]), np.array([1.0, 1.0, 1.0, 9.0, 9.0])
+    n = len(guess)
+    fit = least_squares(residuals, guess, bounds=(low[:n], high[:n]), x_scale=0.05, diff_step=1e-4)
+    variance = 2 * fit.cost / max(len(elapsed) - n, 1)
     correlation = max(float(fit.fun[1:] @ fit.fun[:-1] / max(fit.fun @ fit.fun, 1e-300)), 0.0)
     variance *= (1 + correlation) / (1 - correlation)
     covariance = variance * np.linalg.pinv(fit.jac.T @ fit.jac)
     errors = span * np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    # a flat row has no slope, whose inverse would claim certainty
-    errors = np.where(np.any(fit.jac != 0, axis=0), errors, np.inf)
+    # a pressure that hasn't moved yet, or never does, says nothing, and with no doubt
+    if np.sum(elapsed > fit.x[0] * span) < n or not np.any(fit.jac[:, 0]):
+        errors += np.inf
     missed = scale * float(np.sqrt(np.mean(fit.fun**2)))
-    return StepResponse(*map(float, (*(span * fit.x), *errors, missed)))
+    found = StepResponse(*map(float, (*(span * fit.x[:2]), *errors[:2], missed)))
+    return found, float(np.exp(fit.x[3]))
 
 
 def loop_margins(pressure_time: Values, lag: Values, delay: Values) -> LoopMargins:
