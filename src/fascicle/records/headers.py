@@ -50,8 +50,8 @@ def _lists(text: str) -> dict[str, tuple[str, ...]]:
 
 TERMS = _lists("""
     pressure = pressure, p, press, pgauge, druck, p gauge, überdruck, pression;
-    force = force, f, load, tension, pull, kraft, thrust, mass, weight, masse, gewicht,
-        standardkraft, prüfkraft, zugkraft;
+    force = force, f, load, tension, pull, kraft, thrust, mass, weight, payload, masse,
+        gewicht, standardkraft, prüfkraft, zugkraft;
     torque = torque, moment, drehmoment, tau, τ, joint torque;
     strain = strain, contraction, contraction ratio, eps, epsilon, ε, kappa, shortening,
         kontraktion, verkürzung, elongation, extension, dehnung, length change, change of length,
@@ -85,6 +85,7 @@ _QUALIFIERS = {*words(
     "supply, luftdruck, umgebungsdruck, versorgungsdruck, tank, cmd, model, modeled, modelled,"
     "theoretical, theory, simulated, simulation, predicted, calculated"
 )}  # fmt: skip
+_SPECIMENS = {*words("specimen, sample, muscle, actuator, probe, muskel")}  # whose mass is no load
 # of a strain gauge on the rig: no muscle's contraction
 _MICROSTRAINS = "µε, με, µstrain, microstrain, µm/m"
 
@@ -275,8 +276,11 @@ def read_header(header: str) -> list[tuple[str, str]]:
         meanings.append((_plain(outside), strip_brackets(units[0] if units else brackets[-1])))
     for pattern in _UNIT_BEHIND:
         match = re.fullmatch(pattern, outside)
-        # 1 is a unit behind a sign alone: `Force 1` is the first of several
-        if match and is_any_unit(match[2]) and not units and (match[2] != "1" or "/" in outside):
+        if units or not match or not is_any_unit(match[2]):
+            continue
+        # `Force 1` is the first of several, and `P_g` a gauge pressure
+        is_index = match[2] == "1" and "/" not in outside
+        if not is_index and (match[2].lower() != "g" or _plain(match[1]) not in TERMS["pressure"]):
             meanings.append((_plain(match[1]), strip_brackets(match[2])))
     has_unit = any(is_any_unit(unit) for _, unit in meanings)
     return meanings if has_unit else [*meanings, (_plain(outside), "")]
@@ -310,6 +314,8 @@ def score(header: str, unit: str, role: str) -> int:
         elif name in _NEEDS_UNIT.get(role, ()) or (role == "force" and is_unit(stated, "moment")):
             continue
         terms, names = TERMS[role], name.split()
+        if is_mass(stated) and _SPECIMENS & {*names}:
+            continue
         if name in terms:
             best = max(best, 2 if stated.lower() in SIGNALS else 4 + fits)
         elif _QUALIFIERS & {*names} or (role == "length" and {"gauge", "gage"} & {*names}):

@@ -51,11 +51,11 @@ _AT_REST = 0.02  # contraction: any muscle under pressure still pulls there
 # names of the two ways of a loop
 _INFLATING = words(
     "1, +1, 1.0, up, inflating, inflation, inflate, contracting, contraction, shortening, loading,"
-    "forward"
+    "forward, increasing, rising"
 )
 _DEFLATING = words(
     "-1, -1.0, down, deflating, deflation, deflate, extending, extension, lengthening, unloading,"
-    "backward, return"
+    "backward, reverse, return, decreasing, falling"
 )
 BRANCHES = (
     dict.fromkeys(_INFLATING, UP)

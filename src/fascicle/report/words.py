@@ -88,7 +88,7 @@ _RECORD: dict[str, Part] = {
     "weights": "column `{column}` holds masses in {unit}: the force is their weight",
     "unread_columns": "columns not read: {names:columns}",
     "unused_unit": "unit {unit!r} of {role} not used: there is no such column",
-    "misread_column": "column `{column}` not read as {role}: it has other entries",
+    "misread_column": "column `{column}` not read as {role}: its entries are not known",
     "rows_with_holes": "{count:row} with holes left out, the first in line {line}",
     "rows_of_words": "{count:row} of words left out, the first in line {line}",
     "resampled": "channels interpolated on one clock, every {step:g} s",
