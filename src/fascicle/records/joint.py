@@ -23,7 +23,7 @@ import numpy as np
 
 from ..core.errors import InvalidInputError
 from ..core.findings import Finding
-from ..units import parse, parse_list
+from ..units import parse, parse_list, pretty
 from .record import warning
 
 
@@ -47,6 +47,12 @@ class ArmTable(NamedTuple):
         margin = _MARGIN * (self.angle[-1] - self.angle[0])
         outside = np.maximum(self.angle[0] - angle, angle - self.angle[-1])
         return np.maximum(outside - margin, 0.0)
+
+    @property
+    def outside_text(self) -> str:
+        """End of an error on an angle outside the table."""
+        low, high = (pretty(float(x), "angle") for x in (self.angle[0], self.angle[-1]))
+        return f"lies beyond the angles of the moment arms, {low} to {high}"
 
     def arm_at(self, angle: np.ndarray) -> np.ndarray:
         """Arm at each `angle` [m]."""

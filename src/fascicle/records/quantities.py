@@ -15,7 +15,7 @@ from ..core.findings import Finding
 from ..core.validation import HIGHEST_PRESSURE
 from ..units import pretty
 from .headers import POSITIONS, Column, MissingMetadataError, is_gauge_unit, unit_factor, words
-from .joint import ArmTable, sampled_arms, usable_arms
+from .joint import sampled_arms, usable_arms
 from .record import DOWN, STRAINS, UNKNOWN, UP, note, warning
 from .sidecar import Sidecar
 from .tables import Table
@@ -155,51 +155,43 @@ class Readings:
             return
         column = self.position if is_angle else columns["torque"]
         angle, arm = (self.si(r) if r in columns else None for r in ("angle", "moment_arm"))
-        where, arms = self.table.place(column.header), self.info.arm_table
-        if arms is not None:
-            if angle is None:
-                rule = "no column of angle found, which the moment arms depend on: give "
-                choice = ("constants", "angle", "30 deg", " or its column")
-                raise MissingMetadataError(f"{self.table.where}: {rule}", choice)
+        arms, rest_angle = self.info.arm_table, self.info.angle_at_rest
+        if arms is not None and angle is not None:
             row = int(np.argmax(arms.excess(angle)))
             if arms.excess(angle)[row] > 0:
                 text = f"{self.raw('angle')[row]:.6g} {columns['angle'].unit}"
-                raise self.cell_error(row, columns["angle"], f"{text} {_outside_message(arms)}.")
+                raise self.cell_error(row, columns["angle"], f"{text} {arms.outside_text}.")
             arm = arms.arm_at(angle)
+        elif arms is not None:
+            choice = ("constants", "angle", "30 deg", " or its column")
+            raise self._ask(column, "the moment arms depend on an angle:", choice)
         elif arm is None:
-            article = "an" if is_angle else "a"
-            rule = f"{article} {column.role} needs the moment arm of the muscle:"
             after = ", or a table [moment_arm] of angle and arm in the TOML beside it"
-            raise self._ask(column, rule, ("moment_arm", "", "25 mm", after))
+            choice = ("moment_arm", "", "25 mm", after)
+            raise self._ask(column, "the moment arm of the muscle is needed:", choice)
         elif angle is not None and is_angle and columns["moment_arm"].index >= 0:
             try:
                 arms = sampled_arms(angle, arm)
             except ValueError as error:
-                raise ValueError(f"{where}: {error}.") from None
+                raise ValueError(f"{self.table.place(column.header)}: {error}.") from None
         if not np.any(arm):
-            raise ValueError(f"{where}: all moment arms are 0: check their column or table.")
+            place = self.table.place(column.header)
+            raise ValueError(f"{place}: all moment arms are 0: check their column or table.")
         self.cells["moment_arm"] = arm
         columns["moment_arm"] = Column("moment_arm", -1, "moment_arm", "m")
         if angle is not None and is_angle:
-            self.cells["shortening"] = self._shortening(angle, arm, arms)
+            if rest_angle is None:
+                rule = "an angle needs the one at which the muscle has its rest length:"
+                raise self._ask(column, rule, ("zeros", "angle", "0 deg", ", or its value"))
+            if arms is not None and arms.excess(np.array(rest_angle)) > 0:
+                rule = f"{pretty(rest_angle, 'angle')}, at rest, {arms.outside_text}"
+                raise ValueError(f"{self.table.place(column.header)}: {rule}.")
+            shortening = arms.shortening(angle, rest_angle) if arms else arm * (angle - rest_angle)
+            self.cells["shortening"] = shortening
         if "torque" in columns:
             usable, short_arms = usable_arms(arm)
             self.cells = self.cells.loc[usable]
             self.findings += short_arms
-
-    def _shortening(self, angle: np.ndarray, arm: np.ndarray, arms: ArmTable | None) -> np.ndarray:
-        """Shortening of the muscle at each `angle` [rad] from that at rest [m]."""
-        rest_angle = self.info.angle_at_rest
-        if rest_angle is None:
-            rule = "an angle needs the one at which the muscle has its rest length:"
-            raise self._ask(self.position, rule, ("zeros", "angle", "0 deg", ", or its value"))
-        if arms is None:
-            return arm * (angle - rest_angle)
-        if arms.excess(np.array(rest_angle)) > 0:
-            where = self.table.place(self.position.header)
-            rule = f"{pretty(rest_angle, 'angle')}, at rest, {_outside_message(arms)}"
-            raise ValueError(f"{where}: {rule}.")
-        return arms.shortening(angle, rest_angle)
 
     def read_force(self) -> None:
         """Pulling force [N], from a column of forces or torques."""
@@ -480,11 +472,6 @@ class Readings:
             return None
         self.findings.append(note("sampled_time", step=step))
         return start + step * (self.cells.index.to_numpy() - table.first)
-
-
-def _outside_message(arms: ArmTable) -> str:
-    low, high = (pretty(float(x), "angle") for x in (arms.angle[0], arms.angle[-1]))
-    return f"lies beyond the angles of the moment arms, {low} to {high}"
 
 
 def _reading_text(value: float, column: Column) -> str:
