@@ -48,9 +48,9 @@ def test_clipped_readings_have_their_own_mark_and_are_no_push():
 
 
 def test_many_points_are_thinned_and_none_is_drawn_twice():
-    lines = points(draw_fit(FIT).axes[0], "o")
-    assert len(lines) == len(P)
-    for strain in (drawn.get_xdata() for drawn in lines):
+    strains = [line.get_xdata() for line in points(draw_fit(FIT).axes[0], "o")]
+    assert len(strains) == len(P)
+    for strain in strains:
         assert len(strain) == len(set(strain)) == 40
         assert (strain.min(), strain.max()) == (0, 0.3)
 

@@ -9,7 +9,7 @@ import numpy as np
 import fascicle as fs
 from fascicle.design import Catalog, Limit, Product, Space, Task, answer_search, search
 from fascicle.design.cycle import Cycle
-from fascicle.report import design_summary as text
+from fascicle.report import design_summary as summary
 
 
 SENSES = {"valves": "min"}
@@ -29,11 +29,11 @@ def codes(answered):
 def test_a_swinging_load_fails_its_cycle():
     ran = answer([200.0, 60.0], [0.08, 0.12], cycle=Cycle(0.03, 0.05, 30.0))
     assert ran.run.overshoot > 0.1 and codes(ran)[0] == "design.cycle_failed"
-    assert not ran.is_recommended and not text.parts(ran) and len(text.headline(ran)) == 2
+    assert not ran.is_recommended and not summary.parts(ran) and len(summary.headline(ran)) == 2
     slow = answer([200.0, 60.0], [0.08, 0.12], cycle=Cycle(3.0, 3.0, 5.0))
     assert slow.run.passes(slow.summary.sizing.cycle) and slow.is_recommended
     assert "design.cycle_failed" not in codes(slow)
-    assert "passes" in text.facts(slow)["run over time"]
+    assert "passes" in summary.facts(slow)["run over time"]
 
 
 def test_a_case_that_does_work_is_run():
@@ -63,12 +63,12 @@ def test_a_design_without_a_valve_that_is_fast_enough_is_not_recommended():
 def test_facts_list_known_prices_and_products():
     product = Product("P", price=20.0, mass=0.05, source="made up")
     found = answer(100.0, 0.08, Catalog({"m": product}, "EUR", 90.0, air=0.02))
-    assert [line.split(" × ")[0] for line in text.parts(found)] == ["3", "1"]
-    assert "20 EUR" in text.parts(found)[0] and "made up" in text.parts(found)[0]
-    known = text.facts(answer(100.0, 0.08, Catalog({"m": product}, "EUR", air=0.02)))
+    assert [line.split(" × ")[0] for line in summary.parts(found)] == ["3", "1"]
+    assert "20 EUR" in summary.parts(found)[0] and "made up" in summary.parts(found)[0]
+    known = summary.facts(answer(100.0, 0.08, Catalog({"m": product}, "EUR", air=0.02)))
     assert known["mass"].startswith("0.15 kg")
     assert "EUR for 1000 cycles" in known["air"] and "price" in known["unknown"]
-    known = text.facts(answer(100.0, 0.08, Catalog({}, "EUR", 90.0, 20.0, energy=1e-7)))
+    known = summary.facts(answer(100.0, 0.08, Catalog({}, "EUR", 90.0, 20.0, energy=1e-7)))
     assert known["price"].startswith("150 EUR")
 
 
@@ -76,7 +76,7 @@ def test_a_remedy_is_rounded_to_what_is_enough():
     """A reader who types it in must not be a hair short."""
     missing = answer(600.0, 0.04)
     assert codes(missing) == ["design.out_of_reach"] and not missing.is_recommended
-    _, *lines = text.remedy_lines(missing)
+    _, *lines = summary.remedy_lines(missing)
     pressure = 1e3 * float(re.match(r"- supply pressure: ([\d.]+) kPa", lines[0])[1])
     (exact,) = (x.value for x in missing.changes if x.what == "supply_pressure")
     assert exact <= pressure < exact * 1.001
@@ -97,9 +97,9 @@ def test_each_load_case_has_its_pressures_and_where_an_open_valve_leads():
     position = found.summary.held_open / 0.127
     force = [bundle.force(P, x) for P, x in zip(open_pressures, position, strict=True)]
     np.testing.assert_allclose(force, [60.0, 150.0], rtol=1e-6)
-    table = text.cases_table(found.summary, 10)
+    table = summary.cases_table(found.summary, 10)
     assert [row[4] for row in table.rows] == [
-        text.pretty(P, "pressure") for P in found.summary.cases.pressures[:, 0]
+        summary.pretty(P, "pressure") for P in found.summary.cases.pressures[:, 0]
     ]
     assert "design.held_open" in codes(found)
 
@@ -119,4 +119,4 @@ def test_robustness_is_what_is_left():
 
 
 def test_large_shares_are_factors():
-    assert [text.percent(x) for x in (0.12, 1.5, 14.5)] == ["12 %", "150 %", "14.5×"]
+    assert [summary.percent(x) for x in (0.12, 1.5, 14.5)] == ["12 %", "150 %", "14.5×"]

@@ -32,28 +32,28 @@ def page(tmp_path):
 
 
 def test_text_is_escaped(page):
-    text = page("1 < 2 & `code`")
-    assert "<h1>1 &lt; 2 &amp; `code`</h1>" in text
-    assert text.count("1 &lt; 2 &amp; <code>code</code>") == 2
-    assert 'alt="a &#34;picture&#34;"' in text
+    html = page("1 < 2 & `code`")
+    assert "<h1>1 &lt; 2 &amp; `code`</h1>" in html
+    assert html.count("1 &lt; 2 &amp; <code>code</code>") == 2
+    assert 'alt="a &#34;picture&#34;"' in html
     assert prose("a ` b") == "a ` b"
 
 
 def test_invisible_characters_are_escaped_everywhere(page):
-    text = page("a\u202eb\x1bc\u200b")
-    assert text.count("a\\u202eb\\x1bc\\u200b") == 6
-    assert text.encode()
+    html = page("a\u202eb\x1bc\u200b")
+    assert html.count("a\\u202eb\\x1bc\\u200b") == 6
+    assert html.encode()
 
 
 def test_a_page_loads_nothing_from_outside(page):
-    text = page("t")
-    addresses = re.findall(r'(?:src|href)\s*=\s*"([^"]*)"', text)
+    html = page("t")
+    addresses = re.findall(r'(?:src|href)\s*=\s*"([^"]*)"', html)
     assert addresses
     assert all(address.startswith("data:") for address in addresses)
-    assert not re.search(r"@import|url\(|<script", text)
-    assert data_uri(SVG, "svg") in text
-    assert '<a download="a.csv" href="data:text/csv;base64,eCx5">a.csv</a>' in text
-    assert 'download="b&#34;.json" href="data:application/json;base64,e30="' in text
+    assert not re.search(r"@import|url\(|<script", html)
+    assert data_uri(SVG, "svg") in html
+    assert '<a download="a.csv" href="data:text/csv;base64,eCx5">a.csv</a>' in html
+    assert 'download="b&#34;.json" href="data:application/json;base64,e30="' in html
 
 
 def test_a_missing_value_is_an_error(page):
