@@ -26,7 +26,7 @@ from ..core.types import Numbers, Values, Whole
 from ..dynamics.muscles import MuscleTables
 
 
-_SHAPE = (161, 201)  # of the muscles' tables, as a plant has them
+SHAPE = (161, 201)  # of the muscles' tables, as a plant has them
 _FRACTIONS = 65  # φ of tabulated pressures, even in √φ, as forces begin with p² at small strains
 _FINE = 513  # pressures of a branch: eight times as many
 _HALVINGS = 50  # of a bracket of pressure: to rounding
@@ -51,16 +51,22 @@ class Branches(Module):
 
     @classmethod
     def of(
-        cls, bundle: Bundle, supply_pressure: Values = None, shape: tuple[int, int] = _SHAPE
+        cls,
+        bundle: Bundle,
+        supply_pressure: Values = None,
+        shape: tuple[int, int] = SHAPE,
+        highest_pressure: float | None = None,
     ) -> "Branches":
         """Rising branches of the motor units of a `bundle` up to the `supply_pressure` [Pa], left
-        out its own; `shape`: nodes of the muscles' tables in pressure and strain.
+        out its own; `shape`: nodes of the muscles' tables in pressure and strain, up to the
+        `highest_pressure` [Pa], left out the supply's.
         """
         supply = resolve_supply_pressure(bundle, supply_pressure)
-        key = "control.branches", supply, shape
+        highest = supply if highest_pressure is None else highest_pressure
+        key = "control.branches", supply, shape, highest
         if key not in bundle.cache:
             muscles = [unit.muscle for unit in bundle.motor_units]
-            tables = MuscleTables.from_muscles(muscles, supply, shape)
+            tables = MuscleTables.from_muscles(muscles, highest, shape)
             bundle.cache[key] = cls.tabulated(tables, supply)
         return bundle.cache[key]
 

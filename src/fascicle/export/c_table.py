@@ -212,7 +212,8 @@ def table_code(
     - `name`: prefix of all names in C.
     - `precision`: type of numbers in C, "double" or "float".
     - `highest_pressure`: gauge [Pa]; default: the bundle's supply pressure, or 1 MPa.
-    - `shape`: nodes in pressure and in strain; default: 65 and 81, of floats 33 and 41.
+    - `shape`: nodes in pressure and in strain; default: 65 and 81, of floats 33 and 41; of a
+      `Cascade` in double precision 161 and 201, as its plant has them.
 
     **Raises:** `ValueError` for a name that C doesn't allow, and other invalid arguments.
     """
@@ -247,10 +248,12 @@ def tabulate(
 ) -> BundleTables:
     """Tables of a muscle or bundle; arguments as of `table_code`: `highest_pressure` [Pa]."""
     check_choice(precision, SHAPES, "precision")
-    shape = shape or SHAPES[precision]
     if not isinstance(target, Muscle | Bundle | Joint):  # a controller needs JAX, a table doesn't
+        from ..control.branches import SHAPE
         from .controller import ROUNDED_COMMANDS, tabulate_controller
 
+        # in double precision the plant's own, so that a replay of a run decides alike
+        shape = shape or (SHAPE if precision == "double" else SHAPES[precision])
         controller = tabulate_controller(target, shape)
         plant = controller.plant
         top = np.max(plant.muscles.highest_pressure)
@@ -272,6 +275,7 @@ def tabulate(
     strains = [ends for bundle in bundles for ends in table_strains(bundle)]
     ratios = tuple(ratio for bundle in bundles for ratio in length_ratios(bundle))
     muscles = [units[i].muscle for i in indices]
+    shape = shape or SHAPES[precision]
     surfaces = tuple(units[i].muscle.table(top, strains[i], shape) for i in indices)
     counts = tuple(int(unit.count) for unit in units)
     tables = BundleTables(surfaces, kinds, counts, ratios, "", precision, target)

@@ -31,7 +31,7 @@ from .c_files import c_array, render_template, table_strains
 _CHAMBERS = (Isothermal, AdiabaticWall)
 # of one controller, in a test: without a compiler there is no figure of each one's own
 ROUNDED_COMMANDS = """
-Its valves' commands are off by up to 3e-4 of a full opening, measured against double precision
+Its valves' commands are off by up to 5e-4 of a full opening, measured against double precision
 in 20 random ramps of "hand_over" for one and four muscles, at equal measurements."""
 
 
