@@ -67,7 +67,7 @@ def test_the_verdict_takes_ten_lines(ran, folder):
     assert set(verdict["undetermined"]) <= set(FACTORS)
     names = {path.name for path in (folder / "calibrated-d").iterdir()}
     assert names == {
-        "muscle.toml", "muscle.log.toml", "report.html", "curves.csv",
+        "muscle.toml", "report.html", "curves.csv",
         *(f"{name}.{kind}" for name in ("fit", "profiles", "readings", "residuals")
           for kind in ("png", "svg")),
     }  # fmt: skip
@@ -90,7 +90,6 @@ def test_the_folder_holds_the_muscle_that_was_fitted(ran, folder):
     assert (code, err) == (0, "")
     found, path = json.loads(out), folder / "calibrated-d/muscle.toml"
     muscle = fs.load(path)
-    assert len(path.read_text(encoding="utf-8").splitlines()) <= 40
     told = provenance(path)
     # the file is rounded far below what is known; the JSON has all digits
     rate = found["parameters"]["transition_rate"]

@@ -12,7 +12,7 @@ from ..calibrate import Selection
 from ..calibrate.data import assign_levels
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, check_positive
-from ..files.calibration_files import calibrated_files
+from ..files.calibration_files import calibrated_text
 from ..muscle import Muscle
 from ..muscle.validation import extension_message, lowest_strain
 from ..plot.theme import Colors
@@ -420,8 +420,7 @@ class DataView(Tab):
             progress("drawing the report")
             page = report(CalibrationResult(calibration, candidates), today, figures(calibration))
             lines = words.warning_lines(calibration), record_lines(record)
-            files = calibrated_files(calibration, today, *lines, with_log=False)
-            return FitResult(selection, page, files["muscle.toml"])
+            return FitResult(selection, page, calibrated_text(calibration, today, *lines))
 
         usual = f"it usually takes {_DURATIONS[kind]}, longer on a busy machine"
         self.job.start(f"fitting: {usual}", compute)

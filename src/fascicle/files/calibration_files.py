@@ -1,4 +1,4 @@
-"""Files of a calibration: the fitted muscle, and a log of its fit.
+"""File of a calibration: the fitted muscle with its fit in `[calibration]`.
 
 A muscle's numbers are rounded to `_DIGITS`: that changes a force by a millionth, a thousandth of a
 measurement's scatter. Coordinates and covariance keep all digits: of nearly dependent constants a
@@ -18,42 +18,23 @@ from ..calibrate.parameters import put, select_parameters
 from ..core.module import tree_map, with_fields
 from ..muscle import Muscle
 from ..muscle.laws import LAWS
-from ..muscle.validation import END_PARAMETERS
 from ..units import DIMENSIONS, exact, parse, pretty
-from .muscle_files import calibration_text, dumps, load_muscle, provenance
+from .muscle_files import dumps, load_muscle, provenance
 
 
 _DIGITS = 7  # of a fitted muscle's numbers
-_LOG_DIGITS = 6  # of constants and intervals in the log
+_INTERVAL_DIGITS = 6  # of constants and their intervals
 _ERROR_DIGITS = 4  # of an error, a noise or a width: none is known to a ten-thousandth
-# keys of the log that the muscle file repeats
-_SUMMARY = ("method", "date", "fascicle", "synthetic", "status", "points", "rmse", "relative_rmse",
-            "rest_length", "fitted_length", "warnings")  # fmt: skip
 
 
-def calibrated_files(
-    calibration: Calibration,
-    date: str,
-    warnings: Sequence[str] = (),
-    notes: Sequence[str] = (),
-    with_log: bool = True,
-) -> dict[str, str]:
-    """Texts of "muscle.toml", with a summary in `[calibration]`, and of its log, "muscle.log.toml",
-    by name; or of a muscle file that holds the log itself. Arguments as for `provenance_of`.
-    """
+def calibrated_text(
+    calibration: Calibration, date: str, warnings: Sequence[str] = (), notes: Sequence[str] = ()
+) -> str:
+    """Text of a fitted muscle's file; arguments as for `provenance_of`."""
     muscle = rounded_muscle(calibration.muscle)
     table = provenance_of(calibration, date, warnings, notes)
     table["fitted_length"] = exact(float(muscle.length), "length")
-    if not with_log:
-        return {"muscle.toml": dumps(muscle, table)}
-    summary = {key: table[key] for key in _SUMMARY}
-    if not END_PARAMETERS.isdisjoint(table["coordinate_names"]):
-        summary["fitted_ends"] = True
-    log = "muscle.log.toml"
-    intervals = {row["name"]: [row["low"], row["high"]] for row in table["parameter"]}
-    summary |= {"log": log, "intervals_of": intervals}
-    text = f"format = 1\n\n{calibration_text(table)}"
-    return {"muscle.toml": dumps(muscle, summary), log: text}
+    return dumps(muscle, table)
 
 
 def provenance_of(
@@ -137,8 +118,6 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
     muscle, table = load_muscle(path), provenance(path)
     if not isinstance(muscle, Muscle) or "covariance" not in table:
         rule = "has no [calibration] with a covariance to draw from."
-        if "log" in table:
-            rule = f"its log with the covariance, {table['log']}, isn't beside it."
         raise ValueError(f"{os.fspath(path)}: {rule}")
     names = list(table["coordinate_names"])
     parameters = select_parameters(names, muscle)
@@ -183,7 +162,7 @@ def _parameter(estimate: Estimate) -> dict[str, Any]:
     """Table of a fitted constant."""
     ends = {"value": "value", "low": "low", "high": "high", "prior": "start"}
     table = {
-        key: pretty(getattr(estimate, name), estimate.dimension, _LOG_DIGITS)
+        key: pretty(getattr(estimate, name), estimate.dimension, _INTERVAL_DIGITS)
         for key, name in ends.items()
     }
     return {"name": estimate.name, **table, "identifiable": estimate.identifiable}

@@ -67,23 +67,12 @@ def loads(text: str, source: str = "<text>") -> Muscle | Bundle:
 
 
 def provenance(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Table `[calibration]` of a muscle file, with the entries of the calibration log it names;
-    empty if it has none. Raises as `load`.
-    """
-    table, location = _read_calibration(path := Path(path))
-    log = table.get("log", "")
-    if not isinstance(log, str) or Path(log).name != log:
-        raise location.error((_CALIBRATION, "log"), "must be the name of a file in its folder.")
-    log_path = path.parent / log
-    return _read_calibration(log_path)[0] | table if log and log_path.is_file() else table
-
-
-def _read_calibration(path: Path) -> tuple[dict[str, Any], FileLocation]:
-    data = read_file(path)
-    table, location = data.get(_CALIBRATION, {}), FileLocation(str(path), data)
+    """Table `[calibration]` of a muscle file; empty if it has none. Raises as `load`."""
+    data = read_file(Path(path))
+    table = data.get(_CALIBRATION, {})
     if not isinstance(table, dict):
-        raise location.error((_CALIBRATION,), "must be a table of keys.")
-    return table, location
+        raise FileLocation(str(path), data).error((_CALIBRATION,), "must be a table of keys.")
+    return table
 
 
 def save(
@@ -141,8 +130,6 @@ def calibration_text(calibration: Mapping[str, Any]) -> str:
         return value.tolist()
 
     table = json.loads(json.dumps(dict(calibration), default=plain))
-    if "intervals_of" in table:  # so that the muscle's file stays short
-        table["intervals_of"] = _inline_table(table["intervals_of"])
     return tomlkit.dumps({_CALIBRATION: table})
 
 

@@ -13,7 +13,7 @@ from ..calibrate.calibration import Calibration, Profile
 from ..calibrate.diagnostics import ALPHA
 from ..calibrate.findings import calibration_findings, judge
 from ..calibrate.model_selection import Selection
-from ..files.calibration_files import calibrated_files, laws_of
+from ..files.calibration_files import calibrated_text, laws_of
 from ..muscle.validation import fitted_length_note
 from ..plot import to_bytes
 from ..units import pretty
@@ -123,13 +123,13 @@ def _posterior_rows(fit: Calibration, posterior: "Posterior") -> list[list[str]]
 
 
 def output_files(result: CalibrationResult, date: str) -> dict[str, bytes]:
-    """Content of a calibration's files, by name: muscle, log, report, curves and figures."""
+    """Content of a calibration's files, by name: muscle, report, curves and figures."""
     fit = result.fit
     drawings = figures(fit, result.profiles, result.comparison)
     drawn = {name: to_bytes(figure, "svg") for name, figure in drawings.items()}
     page = report(result, date, drawings, drawn)
-    texts = calibrated_files(fit, date, words.warning_lines(fit), record_lines(fit.record))
-    texts |= {"report.html": page, "curves.csv": curves_csv(fit)}
+    muscle = calibrated_text(fit, date, words.warning_lines(fit), record_lines(fit.record))
+    texts = {"muscle.toml": muscle, "report.html": page, "curves.csv": curves_csv(fit)}
     content = {name: text.encode() for name, text in texts.items()}
     for name, figure in drawings.items():
         content |= {f"{name}.png": to_bytes(figure, "png"), f"{name}.svg": drawn[name]}

@@ -15,7 +15,7 @@ from fascicle.calibrate.gauges import PERFECT, channel_faults, drift_confounders
 from fascicle.calibrate.model_selection import possible_gauge_errors, select_model
 from fascicle.calibrate.parameters import GAUGE_UNITS
 from fascicle.core.module import with_fields
-from fascicle.files.calibration_files import calibrated_files, provenance_of
+from fascicle.files.calibration_files import calibrated_text, provenance_of
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record, Source, join
 from fascicle.report.calibration_figures import fit_plot
@@ -143,8 +143,8 @@ def test_a_fit_separates_the_gauges_from_the_rubber(fitted):
 
 
 def test_files_keep_the_gauge_beside_the_muscle(fitted):
-    texts = calibrated_files(fitted, "2026-01-01")
-    assert "force_zero" not in texts["muscle.toml"].split("[calibration]")[0]
+    text = calibrated_text(fitted, "2026-01-01")
+    assert "force_zero" not in text.split("[calibration]")[0]
     assert provenance_of(fitted, "2026-01-01")["gauge"].keys() == fitted.gauge.faults.keys()
 
 

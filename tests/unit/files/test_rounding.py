@@ -6,7 +6,7 @@ import pytest
 import fascicle as fs
 from fascicle.calibrate import fit
 from fascicle.files import dumps, loads
-from fascicle.files.calibration_files import calibrated_files, rounded_muscle
+from fascicle.files.calibration_files import calibrated_text, rounded_muscle
 from fascicle.records import Record
 from fascicle.report.calibration_figures import curves_csv
 from refusing import refuses, warns
@@ -30,14 +30,14 @@ def noisy():
     return calibration(2.0)
 
 
-def text_with_log(fitted):
-    return calibrated_files(fitted, "2026-01-02", with_log=False)["muscle.toml"]
+def text_of(fitted):
+    return calibrated_text(fitted, "2026-01-02")
 
 
 def test_file_reads_back_within_the_uncertainty(noisy, tmp_path):
     _, fitted = noisy
     path = tmp_path / "m.toml"
-    path.write_text(text_with_log(fitted), encoding="utf-8")
+    path.write_text(text_of(fitted), encoding="utf-8")
     read = fs.load(path)
     for one, value in zip(fitted.parameters, (read.braid_angle, read.outer_radius), strict=True):
         assert one.name in ("braid_angle", "outer_radius")
@@ -47,7 +47,7 @@ def test_file_reads_back_within_the_uncertainty(noisy, tmp_path):
 
 
 def test_file_has_the_fitted_length(noisy, tmp_path):
-    text = text_with_log(noisy[1])
+    text = text_of(noisy[1])
     assert loads(text).replace(wall_thickness=1.6e-3).length == 0.2
     with warns("200 mm", "300 mm"):
         loads(text).replace(length=0.3)
@@ -82,6 +82,6 @@ def test_a_fit_of_strains_of_the_wrong_sign_has_files(pushes):
     fitted = fit(record, muscle, ["c10", "braid_angle", "outer_radius"], whole=pushes)
     low = 1 - 1 / np.cos(float(fitted.muscle.braid_angle))
     assert np.min(record.strain) < low  # off the domain of the fitted muscle
-    assert "length" in calibrated_files(fitted, "2026-01-02")["muscle.toml"]
+    assert "length" in calibrated_text(fitted, "2026-01-02")
     assert "nan" not in curves_csv(fitted)
     assert np.isfinite(fitted.half_way_rmse)
