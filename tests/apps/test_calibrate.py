@@ -215,7 +215,7 @@ def test_a_joint_with_a_torque_sensor_is_a_bench(fascicle, tmp_path, monkeypatch
     )  # fmt: skip
     assert code == 0
     told = provenance(tmp_path / "calibrated-knee" / "muscle.toml")
-    assert told["readings"]["read"] == 4 * 31 - 4  # where the arm nearly vanishes
+    assert told["points"] == 4 * 31 - 4  # where the arm nearly vanishes
     (one,) = told["parameter"]
     low, high = (units.parse(one[key], "angle") for key in ("low", "high"))
     # three times the half-width of 90 % is five standard deviations
