@@ -269,9 +269,13 @@ def after_turns(record: Record, length: float) -> np.ndarray | None:
 
 
 def thin(data: FitData) -> FitData:
-    """Fewer readings for the comparison of candidates: evenly chosen levels, averaged if long."""
-    levels = len(data.grid.pressure)
-    chosen = np.unique(np.linspace(0, levels - 1, min(levels, _THIN_LEVELS)).round().astype(int))
+    """Fewer readings for the comparison of candidates: levels at even steps of the readings in the
+    order of pressure, so that those held are among many that were passed; averaged if long.
+    """
+    levels, counts = len(data.grid.pressure), np.bincount(data.level)
+    middle = np.cumsum(counts) - counts / 2
+    steps = np.linspace(middle[0], middle[-1], min(levels, _THIN_LEVELS))
+    chosen = np.unique(np.interp(steps, middle, np.arange(levels)).round().astype(int))
     limit = max(_THIN_ENTRIES // chosen.size, _MIN_ENTRIES)
     if chosen.size == levels and data.grid.force.shape[1] <= limit:
         return data

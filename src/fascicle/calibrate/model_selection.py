@@ -18,6 +18,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import fdtri
 
 from ..core.errors import InvalidInputError
 from ..core.validation import check_choice
@@ -54,6 +55,7 @@ from .tuning import refit_tuning
 
 _TOLERANCE = 0.02  # of the least left-out error beyond noise: a smaller difference has no use
 _STANDARD_ERRORS = 1.0  # of a difference: the one-standard-error rule
+_SURE = 0.95  # probability: constants that improve a fit by less may have improved it by chance
 _OUTLIER = 3.0  # of the usual error: outliers of a robust fit count no more than that
 _RULER = 0.02  # of the distance of the fittings: the error of a ruler, generously
 _DISTINCT = 1e-3  # of a constant's effect on the force: with less it duplicates the others
@@ -204,7 +206,9 @@ def make_candidate(
 def select(trials: Sequence[Candidate], noise: float, loss: str) -> Candidate:
     """Select the candidate with the fewest constants whose squared errors exceed the best one's by
     no more than a standard error of their sum, 2 % of the error beyond the `noise` of a reading [N]
-    (0 where it is unknown), or one reading's average share, which any constant gains on noise.
+    (0 where it is unknown), or one reading's average share, which any constant gains on noise; or
+    whose fit is no worse by Fisher's test: a prediction far from other readings may err less by
+    chance.
 
     **Raises:** `InvalidInputError` if no fit has a left-out error.
     """
@@ -225,7 +229,10 @@ def select(trials: Sequence[Candidate], noise: float, loss: str) -> Candidate:
     for trial, square in zip(valid, squares, strict=True):
         excess = square - best_squares
         chance = _STANDARD_ERRORS * float(np.std(excess)) / np.sqrt(excess.size)
-        if float(np.mean(excess)) <= max(chance, tolerance, mean / excess.size):
+        fewer, freedom = best.constants - trial.constants, max(excess.size - best.constants, 1)
+        gain = fewer / freedom * float(fdtri(fewer, freedom, _SURE)) if fewer > 0 else -1.0
+        fits_as_well = trial.rmse**2 - best.rmse**2 <= gain * best.rmse**2
+        if fits_as_well or float(np.mean(excess)) <= max(chance, tolerance, mean / excess.size):
             equivalent.append(trial)
     return min(equivalent, key=lambda trial: (trial.constants, trial.left_out_rmse))
 
@@ -299,6 +306,7 @@ def candidate_sets(
         distinct = sizes if loaded else tuple(name for name in sizes if name != "outer_radius")
         bases = [*([sizes] if rubber_given else []), RUBBER, (*RUBBER, *distinct)]
     sets = [(), *bases, *((*base, _BAND) for base in bases)]
+    # a zero of one gauge alone would make up for the others', and seem too certain
     sets += [(*base, *gauges) for base in (bases[0], bases[-1])]
     sets += [(*bases[-1], name) for name in optional] + [(*bases[-1], *optional)]
     unique = {frozenset(union): union for union in (_union(names, required) for names in sets)}

@@ -384,7 +384,8 @@ def selection_reasons(selection: Selection | None) -> list[str]:
     fold = "stretch-of-strain" if selection.by_strain else "pressure"
     lines.append(
         f"Model selected by leave-one-{fold}-out cross-validation (one-standard-error rule): the"
-        " fewest parameters within one standard error, 2 %, or one reading's share of the best."
+        " fewest parameters within one standard error, 2 %, or one reading's share of the best, or"
+        " with no significantly worse fit (Fisher's test, 5 %)."
     )
     part, total = selection.compared, selection.calibration.points
     if part < total:

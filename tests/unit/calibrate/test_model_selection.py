@@ -142,9 +142,19 @@ def test_half_of_a_loop_is_in_the_error():
     assert any(trend.along == "branch" for trend in fitted.diagnosis.significant)
 
 
-def trial(constants, errors):
+def trial(constants, errors, rmse=1.0):
     size = float(np.sqrt(np.mean(errors**2)))
-    return Candidate(("",), "constants", constants, 1.0, size, 0.1, size, left_out_errors=errors)
+    return Candidate(("",), "constants", constants, rmse, size, 0.1, size, left_out_errors=errors)
+
+
+@pytest.mark.parametrize(("rmse", "constants"), [(1.03, 2), (1.5, 5)])
+def test_a_better_prediction_needs_a_better_fit(rmse, constants):
+    # of 66 readings, those of the last pressure are predicted better with more constants
+    errors = np.random.default_rng(0).normal(size=66)
+    worse = np.where(np.arange(66) < 60, errors, 2.5 * np.sign(errors))
+    best = select([trial(2, worse, rmse), trial(5, errors)], 0.0, "linear")
+    # Fisher's 95 % of 3 and 61 degrees of freedom is 2.76: up to 1.066 times the error
+    assert best.constants == constants
 
 
 def test_a_record_too_short_for_cross_validation_is_refused():
