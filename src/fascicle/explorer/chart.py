@@ -45,6 +45,7 @@ _COLUMNS: dict[str, dict[str, str]] = {
     "patches": {"xs": "xs", "ys": "ys"},
     "quad": {"left": "left", "right": "right"},
     "scatter": {"x": "x", "y": "y"},
+    "segment": {"x0": "x", "y0": "y", "x1": "x", "y1": "place"},
     "text": {"x": "x", "y": "y", "text": "label"},
 }
 
@@ -142,8 +143,9 @@ class Chart:
     def add_labels(self, source: Any, **options: Any) -> None:
         """Write the `label`s of a `source` at its points, readable on every curve."""
         font: Any = value(FIGURES)  # a bare text would be a column's name
-        style = {"text_font": font} | self._style("labels") | options
-        self.figure.add_layout(LabelSet(x="x", y="y", text="label", source=source, **style))
+        place: dict[str, Any] = {"x": "x", "y": "y", "text": "label", "text_font": font}
+        style = place | self._style("labels") | options
+        self.figure.add_layout(LabelSet(source=source, **style))
 
     def add_hover(self, tooltips: list[tuple[str, str]], **options: Any) -> HoverTool:
         """Add and return a tool with `tooltips` on the glyph that was drawn last."""

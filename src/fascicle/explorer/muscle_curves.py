@@ -19,12 +19,12 @@ PARTS = ("force", "mesh", "bladder", "bending")
 REGIONS = ("in tension", "buckled", "collapsed", "compressed straight")
 UNTUNED = "untuned"
 
-_GAP_ABOVE, _GAP_BESIDE = 6, 7  # pixels from a point to its label
-_LINE = 16  # pixels from a label to one above it
-_BELOW = -22  # pixels to a label below its point
-_LOW = 0.06  # of the forces drawn: closer to zero, labels of both ends stack
-# share of the strains drawn beyond which a label stands left of its point, on a phone too
-_LEFT = {"free": 0.74, "collapse": 0.62}
+_GAP_ABOVE, _GAP_BESIDE = 6, 6  # pixels from a point, or its leader line, to its label
+# of the largest force drawn: labels stand above the curves, left of the legend
+_HEIGHTS = {"free": 0.85, "collapse": 0.68}
+_LEFT = (
+    0.4  # share of the strains drawn beyond which a label stands left of its line, on a phone too
+)
 
 
 class MuscleCurves(NamedTuple):
@@ -112,24 +112,28 @@ def region_strips(strain: np.ndarray, regions: np.ndarray) -> list[tuple[float, 
 
 
 def curve_marks(curves: MuscleCurves, top: float, scale: float, unit: str) -> dict[str, list]:
-    """Source of the blocked force, free strain and collapse, with labels that don't collide."""
-    free, blocked = float(curves.free_strain[-1]), float(curves.blocked[-1])
-    collapse = float(curves.collapse_strain[-1])
-    stacked = abs(blocked) < _LOW * np.ptp(curves.force[:-1]) and free < 0.3 * top
-    rows = [
-        (0.0, blocked, f"blocked {blocked / scale:.4g} {unit}", _GAP_ABOVE + _LINE * stacked, 1.0),
-        (free, 0.0, f"free {free:.4f}", _GAP_ABOVE, _LEFT["free"]),
-    ]
+    """Source of the blocked force, free strain and collapse, with labels at the height `place`."""
+    blocked, collapse = float(curves.blocked[-1]), float(curves.collapse_strain[-1])
+    kinks = {"free": (float(curves.free_strain[-1]), 0.0)}
     if collapse <= top:
-        force = float(np.interp(collapse, curves.strain[-1], curves.force[-1]))
-        rows.append((collapse, force, f"collapse {collapse:.4f}", _BELOW, _LEFT["collapse"]))
+        kinks["collapse"] = (
+            collapse,
+            float(np.interp(collapse, curves.strain[-1], curves.force[-1])),
+        )
+    strains, forces = zip((0.0, blocked), *kinks.values(), strict=True)
+    places = [blocked, *(_HEIGHTS[name] * float(curves.force.max()) for name in kinks)]
+    is_left = [strain > _LEFT * top for strain in strains]
     return {
-        "x": [strain for strain, *_ in rows],
-        "y": [force / scale for _, force, *_ in rows],
-        "label": [label for _, _, label, *_ in rows],
-        "above": [above for *_, above, _ in rows],
-        "beside": [-_GAP_BESIDE if x > limit * top else _GAP_BESIDE for x, *_, limit in rows],
-        "align": ["right" if x > limit * top else "left" for x, *_, limit in rows],
+        "x": list(strains),
+        "y": [force / scale for force in forces],
+        "place": [place / scale for place in places],
+        "label": [
+            f"blocked {blocked / scale:.4g} {unit}",
+            *(f"{name} {strain:.4f}" for name, (strain, _) in kinks.items()),
+        ],
+        "above": [_GAP_ABOVE] + [-_GAP_ABOVE] * len(kinks),
+        "beside": [-_GAP_BESIDE if left else _GAP_BESIDE for left in is_left],
+        "align": ["right" if left else "left" for left in is_left],
     }
 
 

@@ -232,7 +232,8 @@ class MuscleView(StrainTab):
             style = {"y": part, "line_color": color, "line_dash": dash, "legend_label": part}
             chart.add("part", source=self.curve, **style)
         self._marks = chart.add("marks")
-        offsets = {"x_offset": "beside", "y_offset": "above", "text_align": "align"}
+        chart.add("leaders", source=self._marks)
+        offsets = {"y": "place", "x_offset": "beside", "y_offset": "above", "text_align": "align"}
         chart.add_labels(self._marks, text_font_size="12px", **offsets)
         self._point = chart.add("point")
         chart.on_hold(self.set_strain)
@@ -275,7 +276,7 @@ class MuscleView(StrainTab):
             for start, end, i in strips
         ]
         heights = [self._label_height] * len(names)
-        self.region_names.data = {"x": np.add(left, right) / 2, "y": heights, "label": names}
+        self.region_names.data = {"x": right, "y": heights, "label": names}
         self._marks.data = curve_marks(curves, self.top, scale, unit)
 
     def _show_point(self, view: View, curves: MuscleCurves) -> None:

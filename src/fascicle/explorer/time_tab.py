@@ -81,7 +81,7 @@ class ScenarioInputs:
         self._session, self._tab = tab.session, tab
         self._scenarios = page_scenarios()
         names = [*self._scenarios, _OWN]
-        self.scenario = ui.dropdown("Scenario", names, self._choose_scenario, width=200)
+        self.scenario = ui.dropdown("Scenario", names, self._choose_scenario, width=180)
         self.file = ui.file_input("Open a scenario (.toml)", ".toml", self._open_file)
         self.about = ui.wide_pane()
         self._inputs: dict[str, ui.Field] = {}
