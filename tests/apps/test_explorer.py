@@ -624,16 +624,11 @@ def test_two_braid_angles_are_compared(visit):
     force = f"{float(other.force(137.9e3, 0.2)):.4g}"
     expect(page.locator("table").last).to_contain_text("Force at ε = 0.2 [N]")
     expect(page.locator("table").last).to_contain_text(force)
-    # a name
-    name = field(page, "Name of curve 2")
-    name.fill("28°")
-    name.press("Enter")
-    source(page, "compared", "d => d.label[1] === '28°'")
     rows = shared(page, "Data (CSV)").read_text().splitlines()
     assert len(rows) == 2 * 201 + 1
-    page.get_by_role("button", name="Remove 1").click()
+    page.get_by_role("button", name="Remove kim2021_figure_6").click()
     left = source(page, "compared", "d => d.xs.length === 1")
-    assert left["label"] == ["28°"]
+    assert left["label"] == ["braid angle 28 deg"]
 
 
 OFFER = "See in four steps"

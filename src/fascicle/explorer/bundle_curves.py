@@ -88,12 +88,7 @@ def second_unit_curve(bundle: Bundle, first: float) -> FreeStrainCurve:
     pressure = np.linspace(0.0, first, _PRESSURES)
     resisted = free_strain_curve(bundle, 2, pressure, first, True)
     free = free_strain_curve(bundle, 2, pressure, first, False)
-    return FreeStrainCurve(pressure, resisted, free, second_unit_reversal(bundle, first))
-
-
-def second_unit_reversal(bundle: Bundle, first: float, resistance: bool = True) -> Reversal:
-    """Turn of the free strain as the second unit's pressure rises to `first` [Pa]."""
-    return reversal(bundle, 2, first, resistance)
+    return FreeStrainCurve(pressure, resisted, free, reversal(bundle, 2, first))
 
 
 def bundle_workspace(bundle: Bundle, resistance: bool) -> BundleWorkspace:
@@ -157,7 +152,7 @@ def bundle_solids(view: View, top: float) -> BundleSolids:
         strain = shortening
         if bundle.ratios is not None:
             strain = float(muscle_strain(bundle.ratios[i], np.asarray(strain)))
-        curves = muscle_curves(unit.muscle, view.pressures[i], strain, view.supply, top)
+        curves = muscle_curves(unit.muscle, view.pressures[i], strain, top)
         solids += [muscle_solid(unit.muscle, curves, strain, fibers)] * counts[i]
         owners += [i] * counts[i]
     widest = max(float(unit.muscle.outer_radius) for unit in bundle.motor_units)

@@ -7,7 +7,6 @@ from functools import partial
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-import panel as pn
 
 from ..core.errors import InvalidInputError
 from ..files import named_muscles
@@ -77,13 +76,6 @@ def add_pin(pins: tuple[Pin, ...], name: str, muscle: Muscle, pressure: float) -
     candidates = (line, *(f"{line} ({i})" for i in range(2, MOST_PINS + 2)))
     free_name = next(candidate for candidate in candidates if candidate not in names)
     return (*pins, Pin(free_name, muscle, float(pressure)))
-
-
-def rename_pin(pins: tuple[Pin, ...], index: int, name: str) -> tuple[Pin, ...]:
-    """The `pins`, the one of an `index` with another `name`."""
-    before, pin, after = pins[:index], pins[index], pins[index + 1 :]
-    renamed = add_pin((*before, *after), name, pin.muscle, pin.pressure)[-1]
-    return (*before, renamed, *after)
 
 
 def name_difference(first: Muscle, second: Muscle) -> str:
@@ -191,7 +183,9 @@ class CompareView(StrainTab):
 
     def draw(self, view: View) -> None:
         self._form.show(view)
-        self._rows.objects = [self._make_row(i, pin) for i, pin in enumerate(view.pins)]
+        self._rows.objects = [
+            ui.button(f"Remove {pin.name}", partial(self._remove, pin)) for pin in view.pins
+        ]
         self.message.show("")
         self._empty.visible, self._comparison.visible = not view.pins, bool(view.pins)
         if not view.pins:
@@ -265,18 +259,10 @@ class CompareView(StrainTab):
             f' stroke="{self._colors[index]}" stroke-width="3" stroke-dasharray="{dashes}"/></svg>'
         )
 
-    def _make_row(self, index: int, pin: Pin) -> pn.Row:
-        label, rename = f"Name of curve {index + 1}", partial(self._rename, index)
-        name = ui.widget(pn.widgets.TextInput, label, rename, value=pin.name)
-        label, remove = f"Remove {index + 1}", partial(self._remove, index)
-        return ui.row(name, ui.button(label, remove, margin=(20, 8, 2, 0)), kind="")
-
-    def _rename(self, index: int, name: str) -> None:
-        self.session.change(pins=rename_pin(self.session.view.pins, index, name))
-
-    def _remove(self, index: int) -> None:
-        pins = self.session.view.pins
-        self.session.change(pins=(*pins[:index], *pins[index + 1 :]))
+    def _remove(self, pin: Pin) -> None:
+        self.session.change(
+            pins=tuple(other for other in self.session.view.pins if other is not pin)
+        )
 
 
 def _dash(index: int) -> list[int]:

@@ -1,6 +1,6 @@
-"""Curves of a muscle at one pressure and strain, their marks, and alternative laws.
+"""Curve of a muscle at one pressure and strain, its marks, and alternative laws.
 
-Pressures are even ones and, last, the chosen one; among the strains are the law's kinks.
+Among the strains are the law's kinks.
 """
 
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from ..muscle.laws import LAWS
 from ..plot.shapes import ARC_POINTS
 
 
-POINTS, FAMILY = 201, 7  # along a curve, and curves at even pressures
+POINTS = 201  # along a curve
 # of a force, which is the sum of the other three; and of the law, in the order of its numbers
 PARTS = ("force", "mesh", "bladder", "bending")
 REGIONS = ("in tension", "buckled", "collapsed", "compressed straight")
@@ -28,22 +28,19 @@ _LEFT = (
 
 
 class MuscleCurves(NamedTuple):
-    """Curves of a muscle, and its state at the chosen pressure and strain."""
+    """Curve of a muscle at a pressure, and its state at a strain."""
 
-    # a row for each pressure of the family, and last the chosen one's
-    pressure: np.ndarray  # [Pa]
     strain: np.ndarray  # [-]
     force: np.ndarray  # [N], the sum of the next three
     mesh: np.ndarray
     bladder: np.ndarray
     bending: np.ndarray
-    free_strain: np.ndarray  # [-]
-    collapse_strain: np.ndarray  # [-], inf where it never collapses
-    blocked: np.ndarray  # [N]
-    # along the chosen pressure's curve
     regions: np.ndarray
     branches: np.ndarray  # True where there are other equilibria
-    # at the chosen point
+    blocked: float  # [N]
+    free_strain: float  # [-]
+    collapse_strain: float  # [-], inf where it never collapses
+    # at the strain
     point_force: float  # [N]
     region: int
     several: bool  # True where there are other equilibria
@@ -56,39 +53,33 @@ class MuscleCurves(NamedTuple):
     angle: float  # of the fibers [rad]
 
 
-def muscle_curves(
-    muscle: Muscle, pressure: float, strain: float, supply: float, top: float
-) -> MuscleCurves:
-    """Curves of a muscle up to `supply` [Pa] and `top` [-], and its state at a point."""
-    pressures = np.r_[np.linspace(0.0, supply, FAMILY), pressure]
+def muscle_curves(muscle: Muscle, pressure: float, strain: float, top: float) -> MuscleCurves:
+    """Curve of a muscle at a `pressure` [Pa] up to `top` [-], and its state at a `strain` [-]."""
     # one solution of the law for everything: a slider would wait for those of eight methods
     with np.errstate(all="ignore"):  # of branches that aren't taken
-        state = muscle.law.at(pressures[:, None])
-        free, collapse = np.asarray(state.column.free_strain), np.asarray(state.collapse_strain)
-        kinks = np.clip(np.concatenate([free, collapse], axis=1), 0.0, top)
-        even = np.broadcast_to(top * np.linspace(0.0, 1.0, POINTS), (FAMILY + 1, POINTS))
-        grid = np.sort(np.concatenate([even, kinks], axis=1), axis=1)
-        point = np.full((FAMILY + 1, 1), strain)
-        response = state.response(np.concatenate([grid, np.zeros_like(point), point], axis=1))
+        state = muscle.law.at(np.float64(pressure))
+        free, collapse = float(state.column.free_strain), float(state.collapse_strain)
+        kinks = np.clip([free, collapse], 0.0, top)
+        grid = np.sort(np.concatenate([np.linspace(0.0, top, POINTS), kinks]))
+        response = state.response(np.append(grid, [0.0, strain]))
         # the second is the last state whose arc the law knows
-        line = state.shape(np.concatenate([point, np.minimum(point, collapse)], axis=1), ARC_POINTS)
-        z, y = np.asarray(line.z[-1]), np.asarray(line.y[-1])
+        line = state.shape(np.array([strain, min(strain, collapse)]), ARC_POINTS)
+        z, y = np.asarray(line.z), np.asarray(line.y)
         arc_strain = 1 - np.hypot(np.diff(z[1]), np.diff(y[1])).sum() / muscle.length
         return MuscleCurves(
-            pressure=pressures,
             strain=grid,
-            **{name: np.asarray(getattr(response, name))[:, :-2] for name in PARTS},
-            free_strain=free[:, 0],
-            collapse_strain=collapse[:, 0],
-            blocked=np.asarray(response.force)[:, -2],
-            regions=np.asarray(response.region)[-1, :-2],
-            branches=np.asarray(response.several)[-1, :-2],
-            point_force=float(response.force[-1, -1]),
-            region=int(response.region[-1, -1]),
-            several=bool(response.several[-1, -1]),
+            **{name: np.asarray(getattr(response, name))[:-2] for name in PARTS},
+            regions=np.asarray(response.region)[:-2],
+            branches=np.asarray(response.several)[:-2],
+            blocked=float(response.force[-2]),
+            free_strain=free,
+            collapse_strain=collapse,
+            point_force=float(response.force[-1]),
+            region=int(response.region[-1]),
+            several=bool(response.several[-1]),
             volume=float(muscle.braid.volume(np.float64(strain)) - muscle.bladder.volume),
-            deflection=float(state.deflection(point)[-1, 0]),
-            moment=float(state.moment(point)[-1, 0]),
+            deflection=float(state.deflection(strain)),
+            moment=float(state.moment(strain)),
             z=z[0],
             y=y[0],
             radius=float(muscle.braid.radius_at(arc_strain)),
@@ -98,7 +89,7 @@ def muscle_curves(
 
 def strain_limit(muscle: Muscle, supply: float) -> float:
     """Largest strain [-] that is drawn, well past the free strain at `supply` [Pa]."""
-    free = float(muscle_curves(muscle, supply, 0.0, supply, 0.3).free_strain[-1])
+    free = float(muscle.free_strain(supply))
     return float(min(LARGEST_STRAIN, max(0.1, np.ceil(1.5 * free * 20) / 20)))
 
 
@@ -111,17 +102,18 @@ def region_strips(strain: np.ndarray, regions: np.ndarray) -> list[tuple[float, 
     return [(float(a), float(b), int(region)) for a, b, region in strips if b > a]
 
 
-def curve_marks(curves: MuscleCurves, top: float, scale: float, unit: str) -> dict[str, list]:
-    """Source of the blocked force, free strain and collapse, with labels at the height `place`."""
-    blocked, collapse = float(curves.blocked[-1]), float(curves.collapse_strain[-1])
-    kinks = {"free": (float(curves.free_strain[-1]), 0.0)}
+def curve_marks(
+    curves: MuscleCurves, top: float, high: float, scale: float, unit: str
+) -> dict[str, list]:
+    """Source of the blocked force, free strain and collapse, with labels at the height `place`;
+    `high`: largest force [N] that is drawn.
+    """
+    blocked, collapse = curves.blocked, curves.collapse_strain
+    kinks = {"free": (curves.free_strain, 0.0)}
     if collapse <= top:
-        kinks["collapse"] = (
-            collapse,
-            float(np.interp(collapse, curves.strain[-1], curves.force[-1])),
-        )
+        kinks["collapse"] = collapse, float(np.interp(collapse, curves.strain, curves.force))
     strains, forces = zip((0.0, blocked), *kinks.values(), strict=True)
-    places = [blocked, *(_HEIGHTS[name] * float(curves.force.max()) for name in kinks)]
+    places = [blocked, *(_HEIGHTS[name] * high for name in kinks)]
     is_left = [strain > _LEFT * top for strain in strains]
     return {
         "x": list(strains),

@@ -38,6 +38,7 @@ from .tab import Export, StrainTab
 
 # room for header, sliders and readouts
 _SCENE_HEIGHT = "var(--scene-height, clamp(220px, min(100vh - 500px, 90vw), 900px))"
+_FAMILY = 7  # thin curves, at even pressures
 _ALPHAS = (0.0, 0.10, 0.24, 0.05)  # of regions' strips
 _STRAIGHT = (0, 3)  # regions in which a muscle is straight
 _LETTER = 0.0245  # width of a letter of a region's name, of the strains drawn
@@ -164,6 +165,8 @@ class MuscleView(StrainTab):
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors)
+        # of the family of curves [shown unit]: largest force, and each force at rest length
+        self._high, self._blocked = 0.0, np.zeros(_FAMILY)
         self._label_height, self._error = 0.0, ui.Message()
         names = "Pressure P", "pressure", "pressure"
         self._pressure = ui.QuantitySlider(*names, lambda value: session.change(pressure=value))
@@ -187,7 +190,7 @@ class MuscleView(StrainTab):
         self.top = strain_limit(view.muscle, view.supply)
         self.inputs.show(view)
         curves = self._compute_curves(view)
-        self._show_family(curves)
+        self._show_family(view)
         self._show_curve_and_regions(view, curves)
         self._show_point(view, curves)
         note = ui.status_line(tuning_note(view.muscle))
@@ -214,7 +217,7 @@ class MuscleView(StrainTab):
 
     def _compute_curves(self, view: View) -> MuscleCurves:
         strain = min(view.strain, self.top)
-        return muscle_curves(view.muscle, view.pressure, strain, view.supply, self.top)
+        return muscle_curves(view.muscle, view.pressure, strain, self.top)
 
     def _add_chart(self) -> None:
         colors, labels = self.colors, ("Contraction ε [–]", "Force F [N]")
@@ -239,17 +242,20 @@ class MuscleView(StrainTab):
         chart.on_hold(self.set_strain)
         chart.style_legend(location="right")
 
-    def _show_family(self, curves: MuscleCurves) -> None:
+    def _show_family(self, view: View) -> None:
         unit, scale = self.unit("force")
         pressure_unit, pressure_scale = self.unit("pressure")
-        forces = np.array([getattr(curves, name)[:-1] for name in PARTS]) / scale
+        pressures = np.linspace(0.0, view.supply, _FAMILY)
+        curves = [muscle_curves(view.muscle, float(P), 0.0, self.top) for P in pressures]
         self._family.data = {
-            "xs": list(curves.strain[:-1]),
-            "ys": list(curves.force[:-1] / scale),
-            "color": pressure_colors(self.colors, len(curves.force) - 1),
-            "label": [f"{P / pressure_scale:.3g} {pressure_unit}" for P in curves.pressure[:-1]],
+            "xs": [curve.strain for curve in curves],
+            "ys": [curve.force / scale for curve in curves],
+            "color": pressure_colors(self.colors, _FAMILY),
+            "label": [f"{P / pressure_scale:.3g} {pressure_unit}" for P in pressures],
         }
+        forces = np.array([[getattr(curve, name) for name in PARTS] for curve in curves]) / scale
         low, high, span = float(forces.min()), float(forces.max()), float(np.ptp(forces))
+        self._blocked, self._high = forces[:, 0, 0], high
         self._label_height = high + 0.14 * span
         self.chart.set_ranges((0.0, self.top), (low - 0.08 * span, high + 0.16 * span))
         self.chart.figure.yaxis[0].axis_label = f"Force F [{unit}]"
@@ -258,15 +264,15 @@ class MuscleView(StrainTab):
     def _show_curve_and_regions(self, view: View, curves: MuscleCurves) -> None:
         self._pressure.show(view.pressure, view.display_units["pressure"], view.supply)
         unit, scale = self.unit("force")
-        forces = {name: getattr(curves, name)[-1] / scale for name in PARTS}
-        self.curve.data = {"strain": curves.strain[-1], **forces}
+        forces = {name: getattr(curves, name) / scale for name in PARTS}
+        self.curve.data = {"strain": curves.strain, **forces}
         # pressures of the family, save where the chosen one's mark stands
-        *family, blocked = curves.blocked / scale
-        labeled = np.flatnonzero(np.abs(np.array(family) - blocked) > 0.06 * np.ptp(family))
+        family, blocked = self._blocked, curves.blocked / scale
+        labeled = np.flatnonzero(np.abs(family - blocked) > 0.06 * np.ptp(family))
         labels = [self._family.data["label"][i] for i in labeled]
-        heights = [family[i] for i in labeled]
+        heights = family[labeled]
         self._family_names.data = {"x": [0.0] * len(labeled), "y": heights, "label": labels}
-        strips = region_strips(curves.strain[-1], curves.regions)
+        strips = region_strips(curves.strain, curves.regions)
         left, right, regions = map(list, zip(*strips, strict=True))
         alphas = [_ALPHAS[i] for i in regions]
         self.strips.data = {"left": left, "right": right, "alpha": alphas}
@@ -277,7 +283,7 @@ class MuscleView(StrainTab):
         ]
         heights = [self._label_height] * len(names)
         self.region_names.data = {"x": right, "y": heights, "label": names}
-        self._marks.data = curve_marks(curves, self.top, scale, unit)
+        self._marks.data = curve_marks(curves, self.top, self._high * scale, scale, unit)
 
     def _show_point(self, view: View, curves: MuscleCurves) -> None:
         strain = min(view.strain, self.top)
@@ -311,6 +317,6 @@ class MuscleView(StrainTab):
             "deflection": f"{curves.deflection / length_scale:.4g} {length_unit}",
             "bending moment": f"{moment:.4g} {unit}·{arm}",
         }
-        if branches := branches_text(curves.strain[-1], curves.branches):
+        if branches := branches_text(curves.strain, curves.branches):
             rows["several equilibria"] = branches
         self._numbers.object = ui.heading("At this point") + ui.readout_table(rows)

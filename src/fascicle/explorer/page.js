@@ -153,10 +153,6 @@ const name = (node, text) => { if (text && !node.ariaLabel) node.ariaLabel = tex
 const labelOf = (node) =>
   node.closest(".bk-input-group")?.querySelector(".bk-slider-title, label");
 const annotate = (root) => {
-  for (const spin of root.querySelectorAll(".bk-spin-btn")) {
-    const verb = spin.matches(".bk-spin-btn-up") ? "Increase" : "Decrease";
-    name(spin, `${verb} ${labelOf(spin)?.textContent}`);
-  }
   for (const live of root.querySelectorAll(".live")) {
     live.ariaLive = "polite"; live.ariaAtomic = "true";
   }
@@ -189,9 +185,7 @@ const annotate = (root) => {
   }
   for (const box of root.querySelectorAll("input[type=checkbox]"))
     name(box, box.nextElementSibling?.textContent);
-  // arrow keys count in the others
-  for (const input of root.querySelectorAll("input[type=text]"))
-    if (!input.closest(".bk-spin-wrapper")) guard(input);
+  for (const input of root.querySelectorAll("input[type=text]")) guard(input);
   // no key does anything in a figure
   for (const layer of root.querySelectorAll(".bk-events")) layer.tabIndex = -1;
 };

@@ -64,7 +64,7 @@ def muscle_solid(
     muscle: Muscle, curves: MuscleCurves, strain: float, fibers: int = FIBERS
 ) -> Solid:
     """Solid of a muscle at the `strain` [-] of its curves, with `fibers` each way around."""
-    collapsed = bool(strain > curves.collapse_strain[-1])
+    collapsed = strain > curves.collapse_strain
     flat = outline(muscle, curves.z, curves.y, curves.radius, curves.angle, collapsed)
     # rings crowd at the middle, where a hinge turns within less than a radius
     t = np.linspace(-1.0, 1.0, RINGS)

@@ -6,14 +6,11 @@ those from before, unless another muscle was opened meanwhile.
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import panel as pn
 
-from ..bundle import Bundle
-from ..bundle.reversal import Reversal
-from .bundle_curves import second_unit_reversal
+from ..bundle.reversal import reversal
 from .muscle_curves import REGIONS, strain_limit
 from .state import Session, Unit, View
 from .tab import LatestResult, session_document
@@ -30,7 +27,6 @@ _SECOND_PRESSURE = 60e3  # Pa, of the second unit, where no pressure shortens th
 _ROUND_PRESSURE = 1e3  # Pa: the next whole kPa past the turn, where the reach is short
 _STEPS, _STEP_TIME = 16, 200  # of the second unit's pressure, from zero on; ms of each
 _FOCUS = "window.fascicleStory?.(cb_obj.visible)"
-FindTurn = Callable[[Bundle, float, bool], Reversal]
 _KEEP_FOCUS = "window.fascicleStory?.(true, true)"  # a button with another label is a new element
 
 
@@ -41,7 +37,6 @@ class Story:
         """Story of a `session`; browsers show an `offer` of it until it is dismissed."""
         self._session, self._before, self.scene = session, session.view, 0
         self._opened, self._changes, self._timer = session.opened, 0, None
-        self._find_turn = lru_cache(1)(second_unit_reversal)  # it takes half a second
         self._text = wide_pane(margin=0, css_classes=["live", "scene-text"])
         self._texts = LatestResult(self._show_text, self._show_error)
         self.back = button("Back", lambda: self._move(-1))
@@ -95,7 +90,7 @@ class Story:
         self._stop_playing()
         self.scene = scene
         self.next.label = "Done" if scene == len(TITLES) else "Next"
-        view = scene_view(self._session.view, scene, self._find_turn)
+        view = scene_view(self._session.view, scene)
         if scene == len(TITLES) and session_document() is not None:
             self._play(view)
         else:
@@ -127,7 +122,7 @@ class Story:
 
     def _request_text(self, _: View, view: View) -> None:
         if scene := self.scene:
-            self._texts.request(lambda: (scene, scene_text(view, scene, self._find_turn)))
+            self._texts.request(lambda: (scene, scene_text(view, scene)))
 
     def _show_text(self, result: tuple[int, str]) -> None:
         scene, text = result
@@ -140,12 +135,12 @@ class Story:
         self._text.object = f"<p>{text_html(str(error))}</p>"
 
 
-def scene_view(view: View, scene: int, find_turn: FindTurn = second_unit_reversal) -> View:
+def scene_view(view: View, scene: int) -> View:
     """The `view` with the inputs of a `scene`, counted from 1."""
     if scene == len(TITLES):
         units = view.units if len(view.units) > 1 else (Unit(1), Unit(4))
         view = replace(view, tab="bundle", units=units, resistance=True)
-        turn = find_turn(view.bundle, view.supply, True)
+        turn = reversal(view.bundle)
         second = _ROUND_PRESSURE * np.ceil(turn.pressure / _ROUND_PRESSURE)
         second = second if turn.depth > 0 else _SECOND_PRESSURE
         pressures = (view.supply, min(float(second), view.supply), *(0.0,) * (len(units) - 2))
@@ -159,7 +154,7 @@ def scene_view(view: View, scene: int, find_turn: FindTurn = second_unit_reversa
     return replace(view, tab="muscle", pressure=pressure, strain=round(strains[scene - 1], 4))
 
 
-def scene_text(view: View, scene: int, find_turn: FindTurn = second_unit_reversal) -> str:
+def scene_text(view: View, scene: int) -> str:
     """Sentences of a `scene`, counted from 1, on a `view`, with its numbers."""
 
     def text(value: float, dimension: str) -> str:
@@ -168,9 +163,7 @@ def scene_text(view: View, scene: int, find_turn: FindTurn = second_unit_reversa
         digits = 4 if dimension == "pressure" else 3
         return format_quantity(value, view.display_units[dimension], dimension, digits)
 
-    if scene == len(TITLES):
-        return _reversal_text(view, text, find_turn)
-    return _muscle_text(view, text)
+    return _reversal_text(view, text) if scene == len(TITLES) else _muscle_text(view, text)
 
 
 def _muscle_text(view: View, text: Callable[[float, str], str]) -> str:
@@ -191,7 +184,7 @@ def _muscle_text(view: View, text: Callable[[float, str], str]) -> str:
     )
 
 
-def _reversal_text(view: View, text: Callable[[float, str], str], find_turn: FindTurn) -> str:
+def _reversal_text(view: View, text: Callable[[float, str], str]) -> str:
     bundle = view.bundle
     if len(view.units) < 2 or view.pressures[0] <= 0:
         return _TEXTS["one unit"]
@@ -199,16 +192,11 @@ def _reversal_text(view: View, text: Callable[[float, str], str], find_turn: Fin
     states = (first, 0.0, *view.pressures[2:]), view.pressures
     before, reach = (float(bundle.free_strain(P, view.resistance)) for P in states)
     push = -float(bundle.unit_forces(view.pressures, reach, view.resistance)[1])
-    turn = find_turn(bundle, first, view.resistance)
-    names = ["vented", "resists" if reach < before and push > 0 else "reaches"]
-    if not any(view.pressures[2:]):  # the turn is that of two units
-        names.append("turn" if turn.depth > 0 else "no turn")
-    return " ".join(_TEXTS[name] for name in names).format(
+    effect = "resists" if reach < before and push > 0 else "reaches"
+    return f"{_TEXTS['vented']} {_TEXTS[effect]}".format(
         first=text(first, "pressure"),
         second=text(second, "pressure"),
         before=text(before, "strain"),
         reach=text(reach, "strain"),
         push=text(push, "force"),
-        least=text(turn.free_strain, "strain"),
-        turn=text(turn.pressure, "pressure"),
     )
