@@ -4,12 +4,11 @@ import html
 import math
 from dataclasses import replace
 from functools import partial
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
 from ..core.errors import InvalidInputError
-from ..files import named_muscles
 from ..io.sanitize import sanitize_line
 from ..muscle import Muscle
 from ..muscle.laws import LAWS
@@ -19,40 +18,27 @@ from ..results import tables
 from ..units import pretty
 from . import widgets as ui
 from .chart import Chart, hover_tooltips, other_colors, padded_range, screen_height
-from .muscle_curves import POINTS, alternative_laws, law_label, strain_limit, with_alternative
+from .muscle_curves import (
+    POINTS,
+    MuscleCurves,
+    alternative_laws,
+    law_label,
+    muscle_curves,
+    strain_limit,
+    with_alternative,
+)
 from .remarks import validity_warnings
-from .state import Pin, Session, Unit, View, changed, check_value, shipped_muscle
+from .state import Pin, Session, Unit, View, changed
 from .tab import Export, StrainTab
 from .texts import TEXTS
 
 
-_CURRENT, _OWN_LAWS = "the current one", "as the muscle has them"
+_OWN_LAWS = "as the muscle has them"
 _LINE_WIDTH = 2.4  # pixels of a curve; dashes are as many times longer
 _ANGLE_STEP = 0.9  # ratio of braid angles of the example: 33 to 29.7 degrees
 MOST_PINS = 6  # more colors and dashes can't be told apart
 LONGEST_NAME = 40  # characters: a line of a phone
 _ROUNDING = 1e-6  # N or -: a smaller reference is zero but for rounding, and has no percentage
-
-
-class PinCurve(NamedTuple):
-    """Force [N] of a pin over `strain` [-], with its blocked force [N] and free strain [-]; the
-    collapse strain [-] is inf where the muscle never collapses.
-    """
-
-    strain: np.ndarray
-    force: np.ndarray
-    blocked_force: float
-    free_strain: float
-    collapse_strain: float
-
-
-def pin_curve(muscle: Muscle, pressure: float, top: float) -> PinCurve:
-    """Curve of a muscle at a `pressure` [Pa] up to a strain `top` [-], kinks among its strains."""
-    free, collapse = (float(x(pressure)) for x in (muscle.free_strain, muscle.collapse_strain))
-    kinks = [strain for strain in (free, collapse) if 0 < strain < top]
-    strain = np.union1d(np.linspace(0.0, top, POINTS), kinks)
-    force = np.asarray(muscle.force(pressure, strain))
-    return PinCurve(strain, force, float(muscle.blocked_force(pressure)), free, collapse)
 
 
 def difference_text(value: float, reference: float, form: str) -> str:
@@ -91,74 +77,33 @@ def name_difference(first: Muscle, second: Muscle) -> str:
     return ", ".join(parts + ["other tuning"] * (first.tuning != second.tuning))
 
 
-def pin_muscle(session: Session, name: str, muscle: Muscle, pressure: float) -> str:
-    """Pin a `muscle` at a `pressure` [Pa]; returns its name: what differs from the first pin, or
-    the muscle's `name` and its pressure.
+def pin_muscle(session: Session, muscle: Muscle) -> str:
+    """Pin a `muscle` at the view's pressure; returns its name: what differs from the first pin, or
+    the name of the view's muscle and the pressure.
     """
     view = session.view
     label = name_difference(view.pins[0].muscle, muscle) if view.pins else ""
-    if not label or view.pins[0].pressure != pressure:
-        at = ui.format_quantity(pressure, view.display_units["pressure"], "pressure", 4)
-        label = f"{label or name.removesuffix('.toml')}, {at}"
-    pins = add_pin(view.pins, label, muscle, pressure)
+    if not label or view.pins[0].pressure != view.pressure:
+        unit = view.display_units["pressure"]
+        at = ui.format_quantity(view.pressure, unit, "pressure", 4)
+        label = f"{label or view.name.removesuffix('.toml')}, {at}"
+    pins = add_pin(view.pins, label, muscle, view.pressure)
     session.change(pins=pins)
     return pins[-1].name
-
-
-class PinForm:
-    """Inputs of a curve to pin: the current or a shipped muscle, a law, and a pressure."""
-
-    def __init__(self, session: Session):
-        self._session, self._view_pressure, self._pressure_value = session, -1.0, 0.0
-        names = [_CURRENT, *named_muscles()]
-        self._muscle = ui.dropdown("Muscle", names, lambda _: self._offer_laws())
-        self._law = ui.dropdown("Laws", [_OWN_LAWS])
-        self._pressure = ui.Field("Pressure P", "pressure", "pressure", self._set_pressure)
-        self._message = ui.Message()
-        pin = ui.button("Pin this curve", self._pin, color="primary")
-        fields = self._muscle, self._law, *self._pressure.widgets
-        self.widgets = (*fields, pin, self._message.pane)
-
-    def show(self, view: View) -> None:
-        """Show the laws and units of a `view`, and its pressure if it is another one."""
-        if view.pressure != self._view_pressure:
-            self._view_pressure = self._pressure_value = view.pressure
-        self._pressure.show(self._pressure_value, view.display_units["pressure"])
-        self._offer_laws()
-
-    def _selected_muscle(self) -> Muscle:
-        name = self._muscle.value
-        return self._session.view.muscle if name == _CURRENT else shipped_muscle(name)
-
-    def _offer_laws(self) -> None:
-        keys = alternative_laws(self._selected_muscle())
-        options = {_OWN_LAWS: "", **{law_label(key): key for key in keys}}
-        law = self._law.value if self._law.value in options.values() else ""
-        self._law.param.update(options=options, value=law)
-
-    def _set_pressure(self, value: float) -> None:
-        self._pressure_value = check_value("pressure", value)
-
-    def _pin(self) -> None:
-        """Pin the chosen muscle, with the chosen law, at the chosen pressure."""
-        muscle, name = self._selected_muscle(), self._muscle.value
-        name = self._session.view.name if name == _CURRENT else name
-        with self._message.errors():
-            if self._law.value:
-                muscle = with_alternative(muscle, self._law.value)
-            pin_muscle(self._session, name, muscle, self._pressure_value)
 
 
 class CompareView(StrainTab):
     """Widgets and figure of pinned curves."""
 
     name: ClassVar[str] = "compare"
-    fields: ClassVar[tuple[str, ...]] = ("pins", "muscle", "pressure", "display_units")
+    fields: ClassVar[tuple[str, ...]] = ("pins", "muscle", "display_units")
 
     def __init__(self, session: Session, colors: Colors):
         super().__init__(session, colors, "Contraction ε to compare at")
-        self._form, self._rows = PinForm(session), ui.column()
-        self._pin_curves: list[PinCurve] = []
+        names = "Pressure P", "pressure", "pressure"
+        self._pressure = ui.QuantitySlider(*names, lambda value: session.change(pressure=value))
+        self._law, self._rows = ui.dropdown("Laws", [_OWN_LAWS]), ui.column()
+        self._pin_curves: list[MuscleCurves] = []
         # room for header, slider, legend and the head of the table
         chart = Chart(colors, "Contraction ε [–]", "Force F [N]", screen_height(430))
         self.chart = chart
@@ -173,7 +118,8 @@ class CompareView(StrainTab):
         example = ui.button("Try two braid angles", self.pin_example)
         self._empty = ui.column(ui.pane(TEXTS["compare"]["empty"]), example, kind="framed")
         title = ui.pane(ui.heading("Pin another curve"))
-        inputs = (title, *self._form.widgets, self._rows, self.message.pane)
+        pin = ui.button("Pin this curve", self._pin, color="primary")
+        inputs = (title, self._pressure.panel, self._law, pin, self.message.pane, self._rows)
         main = ui.column(self._empty, self._comparison)
         self.panel = ui.row(ui.side_column(*inputs, width=318), main)
 
@@ -182,7 +128,11 @@ class CompareView(StrainTab):
         return other_colors(self.colors, len(DASHES))
 
     def draw(self, view: View) -> None:
-        self._form.show(view)
+        self._show_pressure(view)
+        keys = alternative_laws(view.muscle)
+        options = {_OWN_LAWS: "", **{law_label(key): key for key in keys}}
+        law = self._law.value if self._law.value in options.values() else ""
+        self._law.param.update(options=options, value=law)
         self._rows.objects = [
             ui.button(f"Remove {pin.name}", partial(self._remove, pin)) for pin in view.pins
         ]
@@ -192,7 +142,7 @@ class CompareView(StrainTab):
             return
         unit, scale = self.unit("force")
         self.top = max(strain_limit(pin.muscle, pin.pressure) for pin in view.pins)
-        curves = [pin_curve(pin.muscle, pin.pressure, self.top) for pin in view.pins]
+        curves = [muscle_curves(pin.muscle, pin.pressure, 0.0, self.top) for pin in view.pins]
         self._pin_curves, forces = curves, [curve.force / scale for curve in curves]
         self._curves.data = {
             "xs": [curve.strain for curve in curves],
@@ -208,6 +158,7 @@ class CompareView(StrainTab):
         self._show_strain(view)
 
     def follow(self, before: View, after: View) -> None:
+        self._show_pressure(after)
         if changed(before, after, "strain") and after.pins:
             self._show_strain(after)
 
@@ -227,7 +178,16 @@ class CompareView(StrainTab):
         angle = float(view.muscle.braid_angle) * _ANGLE_STEP
         with self.message.errors():
             for muscle in (view.muscle, view.muscle.replace(braid_angle=angle)):
-                pin_muscle(self.session, view.name, muscle, view.pressure)
+                pin_muscle(self.session, muscle)
+
+    def _show_pressure(self, view: View) -> None:
+        self._pressure.show(view.pressure, view.display_units["pressure"], view.supply)
+
+    def _pin(self) -> None:
+        """Pin the view's muscle, with the chosen law."""
+        muscle, law = self.session.view.muscle, self._law.value
+        with self.message.errors():
+            pin_muscle(self.session, with_alternative(muscle, law) if law else muscle)
 
     def _show_strain(self, view: View) -> None:
         """Show forces at the view's contraction, and the table."""
@@ -238,7 +198,7 @@ class CompareView(StrainTab):
         colors = self._colors[: len(forces)]
         self._points.data = {"x": [strain] * len(forces), "y": forces, "color": colors}
         columns: dict[str, tuple[str, list[float]]] = {
-            f"Blocked force [{unit}]": (".4g", [curve.blocked_force / scale for curve in curves]),
+            f"Blocked force [{unit}]": (".4g", [curve.blocked / scale for curve in curves]),
             "Free strain [–]": (".4f", [curve.free_strain for curve in curves]),
             "Collapse strain [–]": (".4f", [curve.collapse_strain for curve in curves]),
             f"Force at ε = {strain:.4g} [{unit}]": (".4g", forces),

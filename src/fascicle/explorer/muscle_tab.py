@@ -212,7 +212,7 @@ class MuscleView(StrainTab):
     def _pin(self) -> None:
         view, self._pinned.object = self.session.view, ""
         with self._error.errors():
-            name = html.escape(pin_muscle(self.session, view.name, view.muscle, view.pressure))
+            name = html.escape(pin_muscle(self.session, view.muscle))
             self._pinned.object = f'<p class="small">Pinned in Compare as “{name}”.</p>'
 
     def _compute_curves(self, view: View) -> MuscleCurves:

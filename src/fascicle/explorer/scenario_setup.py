@@ -12,7 +12,7 @@ import tomlkit
 
 from ..bundle import Bundle
 from ..core.errors import InvalidInputError
-from ..core.validation import check_choice
+from ..core.validation import HIGHEST_PRESSURE, check_choice, check_interval, check_positive
 from ..files import dumps, example, example_text, named_muscles, scenarios
 from ..files.muscle_files import from_dict, parse_file
 from ..muscle import Muscle
@@ -49,6 +49,11 @@ class ScenarioValue(NamedTuple):
     label: str
     dimension: str
     value: float
+
+    @property
+    def name(self) -> str:
+        """Key of the value in its table."""
+        return [key for key in self.path.split(".") if not key.isdigit()][-1]
 
 
 @dataclass(frozen=True)
@@ -91,11 +96,18 @@ class Setup:
         return [x._replace(value=values.get(x.path, x.value)) for x in self.file_fields]
 
     def with_value(self, path: str, value: float) -> "Setup":
-        """A copy whose quantity at a `path` has a `value` [SI]; `ValueError` on an unknown path."""
-        original = {field.path: field.value for field in self.file_fields}
-        check_choice(path, original, "set")
+        """A copy whose quantity at a `path` has a `value` [SI]; `ValueError` on an unknown path or
+        an impossible value.
+        """
+        fields = {field.path: field for field in self.file_fields}
+        field = fields[check_choice(path, fields, "set")]
+        if field.dimension == "pressure":
+            limits = (0.0, HIGHEST_PRESSURE, field.name, "Pa", "(gauge)", (False, True))
+            check_interval(value, *limits)
+        elif field.dimension != "length":  # a contraction may be negative
+            check_positive(value, field.name, "")
         values = {**dict(self.values), path: value}
-        changed = tuple((key, x) for key, x in values.items() if x != original[key])
+        changed = tuple((key, x) for key, x in values.items() if x != fields[key].value)
         return replace(self, values=changed)
 
     def text(self, policy: str = "", bundle: Bundle | None = None) -> str:

@@ -121,8 +121,7 @@ class ScenarioInputs:
             setup = self._session.view.setup
             self._session.change(setup=setup.with_value(field.path, value))
 
-        (*_, name) = (key for key in field.path.split(".") if not key.isdigit())
-        return ui.Field(field.label, name, field.dimension, set_value)
+        return ui.Field(field.label, field.name, field.dimension, set_value)
 
     def _choose_scenario(self, name: str) -> None:
         if name == _listed_name(self._session.view.setup):

@@ -510,7 +510,8 @@ def _index_of(table: "Table", role: str, header: str) -> int:
         indices = [i for i, name in enumerate(names) if target in dict(read_header(name))]
     if not indices:
         names = [name for name in names if name]
-        best = (difflib.get_close_matches(header, names, 1) or names)[0]
+        fitting = [table.header[i] for i in _candidates(table, role, set(), None)]
+        best = [*difflib.get_close_matches(header, names, 1), *fitting, *names][0]
         how = f"{table.where}: no column `{header}` for {role}: name it with "
         raise MissingMetadataError(how, ("columns", role, best, f", one of {_list_names(names)}"))
     return _only_index(table, role, indices)

@@ -208,8 +208,9 @@ def test_a_file_is_opened_and_refused(tab):
     tab.inputs.file.param.update(value=b"\xff\xfe", filename="bad.toml")
     assert "bad.toml" in str(tab.message.text)
     assert tab.session.view.setup.name == "mine.toml"
-    with pytest.raises(InvalidInputError):
-        tab.session.view.setup.with_value("run.duration", 1.0)
+    for path, value in (("run.duration", 1.0), ("load.mass", -1.0), ("supply.pressure", 9e9)):
+        with pytest.raises(InvalidInputError):
+            tab.session.view.setup.with_value(path, value)
     name, raw = tab.inputs._scenario_file()
     (bundle,) = loads_scenario(raw.decode(), name).plant.bundles
     assert name != "mine.toml"
