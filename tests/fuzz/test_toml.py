@@ -1,6 +1,7 @@
 """Mutated muscle, bundle and task files: each is read, or refused in one line that names it."""
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,70 +13,12 @@ from fascicle.files.task import loads_task
 from refusing import refuses_at
 
 
-MUSCLES = [
-    *(example_text(name) for name in ("kim2021_slenderness_8", "kim2021_bundle_1_4")),
-    """format = 1
-[muscle.a]
-length = "127 mm"
-outer_radius = "6.35 mm"
-wall_thickness = "1.6 mm"
-braid_angle = "33 deg"
-material = { c10 = "90 kPa", c01 = "80 kPa", youngs_modulus = "1.8 MPa", poisson_ratio = 0.49 }
-tension = { law = "tondu_lopez", strain_factor = 1.2, decay_pressure = "1 bar" }
-buckling = "elastica"
-[muscle.a.collapse]
-law = "wood1958"
-factor = 0.8
-[muscle.a.tuning]
-pressure = ["100 kPa", "200 kPa"]
-c1 = ["1.5 N", "2 N"]
-c2 = [0.95, 0.97]
-hinge_stiffness_factor = { constant = 1.25, slope = "0.87 1/bar" }
-dead_band = "10 kPa"
-[muscle.b]
-length = "120 mm"
-outer_radius = "5 mm"
-wall_thickness = "1 mm"
-braid_angle = "30 deg"
-[bundle]
-length = "125 mm"
-supply_pressure = "60 psi"
-scheme = "batch"
-[[bundle.motor_unit]]
-muscle = "a"
-count = 2
-[[bundle.motor_unit]]
-muscle = "b"
-""",
-]  # fmt: skip
-TASKS = [
-    template("task"),
-    """format = 1
-[task]
-name = "gripper"
-force = ["60 N", "150 N"]
-strain = [0.06, 0.10]
-time = ["0 s", "1 s"]
-supply_pressure = "413.7 kPa"
-[design]
-muscle = ["kim2021_slenderness_10", "kim2021_slenderness_8"]
-splits = ["1+4", "2+3"]
-radius = "10 mm:14 mm:1 mm"
-radius_rule = "packing"
-unit_factors = [1, 1.5]
-buckling = "elastica"
-[objectives]
-mean_efficiency = "max"
-[limits]
-valves = { at_most = 3 }
-[scatter]
-length = "1 %"
-braid_angle = "1 deg"
-draws = 20
-[sweep]
-block = 64
-""",
-]
+UNLIKE, GRIPPER = (
+    (Path(__file__).parent / name).read_text(encoding="utf-8")
+    for name in ("unlike_muscles.toml", "gripper.toml")
+)
+MUSCLES = [*map(example_text, ("kim2021_slenderness_8", "kim2021_bundle_1_4")), UNLIKE]
+TASKS = [template("task"), GRIPPER]
 
 
 def refused_kindly(error):

@@ -1,5 +1,8 @@
 """Names and units of headers: read, or refused with a hint that is right."""
 
+import tomllib
+from pathlib import Path
+
 import pytest
 
 from fascicle.records import loads
@@ -13,30 +16,12 @@ def table(pressure="P [kPa]", force="F [N]", position="L [mm]", values="200,50,1
     return f'"{pressure}","{force}","{position}"\n{values}\n'
 
 
-SPELLINGS = {
-    "force": {
-        "KN": 1e3, "lb-f": 4.4482216152605, "gf": 9.80665e-3, "kg-f": 9.80665,
-        "gram-force": 9.80665e-3, "kip": 4448.2216152605, "ozf": 4.4482216152605 / 16, "daN": 10.0,
-        "mN": 1e-3,
-    },
-    "pressure": {
-        "psi (gauge)": 6894.757293168361, "lbf/in²": 6894.757293168361, "mBar": 100.0,
-        "Torr": 101325 / 760, "bar ü": 1e5, "inHg": 3386.389, "inH2O": 249.08891, "N/cm²": 1e4,
-        "kp/cm²": 98066.5, "mH2O": 9806.65, "MPa": 1e6, "bar": 1e5, "BAR": 1e5,
-    },
-    "angle": {"deg": 0.017453292519943295, "°": 0.017453292519943295, "rad": 1.0},
-    "moment": {
-        "Nm": 1.0, "N·m": 1.0, "N-m": 1.0, "NM": 1.0, "mNm": 1e-3, "N mm": 1e-3, "N·cm": 1e-2,
-        "in-lb": 0.1129848290276167, "ft·lbf": 1.3558179483314004, "kgf cm": 0.0980665,
-        "oz-in": 0.1129848290276167 / 16,
-    },
-    "strain": {"‰": 1e-3, "µε": 1e-6},
-}  # fmt: skip
+HEADERS = tomllib.loads((Path(__file__).parent / "headers.toml").read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("dimension", SPELLINGS)
+@pytest.mark.parametrize("dimension", HEADERS["units"])
 def test_spellings(dimension):
-    for unit, si in SPELLINGS[dimension].items():
+    for unit, si in HEADERS["units"][dimension].items():
         # inHg has six digits in pint, all others are exact but for rounding
         rel = 1e-6 if unit == "inHg" else 1e-12
         assert unit_factor(unit, dimension) == pytest.approx(si, rel=rel), unit
@@ -80,36 +65,9 @@ def chosen(header, columns=None, units=None):
     return choose_columns(table, Sidecar(columns=columns or {}, units=units or {}))[0]
 
 
-COLUMNS = {
-    "pressure": {
-        "pressure [kPa]": 1e3, "PRESSURE [PSI]": 6894.757293168361, "p_kPa": 1e3, "p/bar": 1e5,
-        "P / MPa": 1e6, '"Pressure, kPa"': 1e3, "pressure in mbar": 100.0, "Pressure kPa": 1e3,
-        "Muscle pressure {bar(g)}": 1e5, "gauge pressure [psig]": 6894.757293168361,
-        "Pressure (gauge) [kPa]": 1e3, "MusclePressure [kPa]": 1e3, "Druck [bar]": 1e5,
-        "pressure <N/mm²>": 1e6,
-    },
-    "force": {
-        "Force/N": 1.0, "F (kN)": 1e3, "load cell (lbs)": 4.4482216152605, '"Force, mN"': 1e-3,
-        "Kraft [Newton]": 1.0, "axial_force_N": 1.0, "force [kgf]": 9.80665,
-    },
-    "length": {
-        "length_m": 1.0, "Length (in.)": 0.0254, "L [mm]": 1e-3, "Länge [cm]": 1e-2,
-    },
-    "strain": {
-        "strain": 1.0, "strain [-]": 1.0, "strain (%)": 1e-2, "contraction_pct": 1e-2,
-        "ε [%]": 1e-2, "contraction": 1.0, "strain [mm/mm]": 1.0, "strain (measured)": 1.0,
-        "extension [%]": -1e-2,
-    },
-    "displacement": {
-        "contraction [mm]": 1e-3, "stroke/mm": 1e-3, "displacement_in": 0.0254, "x [mm]": 1e-3,
-        "Kolbenweg [mm]": 1e-3, "extension [mm]": -1e-3, "Verlängerung [mm]": -1e-3,
-    },
-}  # fmt: skip
-
-
 @pytest.mark.parametrize(
     ("role", "header", "si"),
-    [(role, header, si) for role, group in COLUMNS.items() for header, si in group.items()],
+    [(role, name, si) for role, names in HEADERS["columns"].items() for name, si in names.items()],
 )
 def test_names_and_units_of_columns(role, header, si):
     others = {"pressure": "p [Pa]", "force": "F [N]", "strain": "strain"}
