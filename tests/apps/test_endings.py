@@ -8,6 +8,8 @@ import time
 
 import pytest
 
+from small_task import SWEPT
+
 
 SIX = "kim2021_figure_6"
 ENVIRONMENT = os.environ | {"FASCICLE_NO_CACHE": "1"}
@@ -65,27 +67,11 @@ def test_control_c_is_quiet_from_the_first_moment(tmp_path, moment):
     assert [path.name for path in tmp_path.iterdir()] in ([], ["x.json"])
 
 
-TASK = """format = 1
-[task]
-force = "60 N"
-strain = 0.1
-supply_pressure = "413.7 kPa"
-[design]
-muscle = "kim2021_slenderness_10"
-muscles = [6]
-length = "100 mm:150 mm:10 mm"
-[objectives]
-mean_efficiency = "max"
-[sweep]
-block = 16
-"""
-
-
 @needs_process_groups
 @pytest.mark.parametrize("workers", ["0", pytest.param("2", marks=pytest.mark.slow)])
 def test_a_sweep_resumes_after_control_c(tmp_path, workers):
     pytest.importorskip("distributed", reason="needs the extra `sweep`")
-    (tmp_path / "task.toml").write_text(TASK)
+    (tmp_path / "task.toml").write_text(SWEPT)
     process = start(tmp_path, "sweep", "task.toml", "--workers", workers, pause_at="3 of 12")
     line = process.stderr.readline()
     while not line.startswith("3 of 12"):

@@ -2,20 +2,11 @@
 
 import pytest
 
+from small_task import TASK
+
 
 SIX = "kim2021_figure_6"
 ONE = ["-p", "34.5kPa", "-s", "0.1"]
-TASK = """format = 1
-[task]
-force = "60 N"
-strain = 0.1
-supply_pressure = "413.7 kPa"
-[design]
-muscle = "kim2021_slenderness_10"
-muscles = [2]
-[objectives]
-valves = "min"
-"""
 
 
 @pytest.mark.parametrize(

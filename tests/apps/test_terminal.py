@@ -8,25 +8,14 @@ import sys
 import pytest
 
 from fascicle.files import example_text
+from small_task import TASK
 
 
 # turns red, clears the screen, sets the title; the same for terminals of 8 bits; turns the line
 EVIL = "\\u001b[31m\\u001b[2J\\u001b]0;x\\u0007\\u009b31m\\u202e\\u0008"
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]")
 SIX = "kim2021_figure_6"
-DESIGN = """format = 1
-[task]
-name = "task EVIL"
-source = "source EVIL"
-force = "60 N"
-strain = 0.1
-supply_pressure = "413.7 kPa"
-[design]
-muscle = "kim2021_slenderness_10"
-muscles = [2]
-[objectives]
-valves = "min"
-"""
+DESIGN = TASK.replace("[task]", '[task]\nname = "task EVIL"\nsource = "source EVIL"')
 
 
 def harmless(fascicle, *command):

@@ -20,26 +20,13 @@ from fascicle.design.sweep import (
     sweep,
 )
 from refusing import refuses
+from small_task import SWEPT
 
 
 zarr = pytest.importorskip("zarr", reason="needs the extra `sweep`")
 pytest.importorskip("distributed", reason="needs the extra `sweep`")
 
 NAMES = ("mean_efficiency", "valves")
-TASK = """format = 1
-[task]
-force = "60 N"
-strain = 0.1
-supply_pressure = "413.7 kPa"
-[design]
-muscle = "kim2021_slenderness_10"
-muscles = [6]
-length = "100 mm:150 mm:10 mm"
-[objectives]
-mean_efficiency = "max"
-[sweep]
-block = 4
-"""
 
 
 def study_of(muscle, task, block=16, lengths=(0.1, 0.12, 0.14)):
@@ -157,7 +144,7 @@ def wait_for_block(process, array):
 
 @pytest.mark.slow
 def test_two_workers_killed_and_everything_killed_twice(tmp_path):
-    (tmp_path / "task.toml").write_text(TASK)
+    (tmp_path / "task.toml").write_text(SWEPT.replace("= 16", "= 4"))
     command = [sys.executable, "-m", "fascicle", "sweep", "task.toml", "--overwrite"]
     subprocess.run([*command, "--workers", "0", "-o", "whole"], cwd=tmp_path, check=True)
     folder, array = tmp_path / "killed", tmp_path / "killed" / DATA
