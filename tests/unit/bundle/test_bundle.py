@@ -28,14 +28,6 @@ def test_force_is_the_sum_over_its_muscles():
     assert_allclose(unlike.unit_forces(P, eps)[..., 2], 3 * thick.force(P[2], eps), rtol=1e-12)
 
 
-def test_without_resistance_no_unit_pushes():
-    P, eps = np.array([300e3, 20e3, 100e3]), np.array([0.1, 0.2])
-    parts = [2 * muscle.force(P[0], eps), bent.force(P[1], eps), 3 * thick.force(P[2], eps)]
-    expected = sum(jnp.maximum(part, 0.0) for part in parts)
-    assert_allclose(unlike.force(P, eps, resistance=False), expected, rtol=1e-12)
-    assert np.all(unlike.force(P, eps) < expected)
-
-
 @pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
 def test_pressures_and_strain_broadcast(shape):
     P = jnp.broadcast_to(jnp.array([FULL, 50e3]), (*shape, 2))

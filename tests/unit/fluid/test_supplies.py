@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from fascicle import fluid
 
 
-ROOM, WARM = 101325.0, 293.15
+WARM = 293.15
 SUPPLIES = [
     fluid.ConstantSupply(6e5), fluid.Tank(fluid.Isothermal(), 1e-2, 6e5),
     fluid.Tank(fluid.AdiabaticWall(1.0), 1e-2, 6e5), fluid.Accumulator(1e-3, 2e5, 6e5),

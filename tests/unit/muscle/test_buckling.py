@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
-from scipy.optimize import brentq
 
 import fascicle as fs
 from fascicle.muscle.buckling import Kim2021
@@ -32,40 +31,6 @@ def state_of(law, column, eps):
 def buckled(eps):
     with np.errstate(all="ignore"):  # of branches that aren't taken
         return state_of(law, column, eps)
-
-
-def springs(x):
-    """l from (13)-(16) as printed, with (10) closed by the shortened arc [R5]."""
-    chord = L - x
-    F_b = 4 * EI * math.pi**2 * (L + x) / chord**3
-    y_max = math.sqrt(4 * x * chord) / math.pi
-    theta = math.acos(chord / L)
-    k1, k2 = 2 * F_b / (y_max * math.sin(theta) * math.cos(theta)), EA / L
-
-    def mismatch(l):
-        y = math.sqrt(4 * (x - 2 * l) * chord) / math.pi
-        theta_l = math.acos(min(chord / (L - 2 * l), 1.0))
-        # (15) times its denominators, which vanish with l
-        return y * k1 * math.sin(theta_l) - 4 * k2 * l
-
-    l = brentq(mismatch, 0, x / 2, xtol=1e-18, rtol=1e-14)
-    y = math.sqrt(4 * (x - 2 * l) * chord) / math.pi
-    theta_l = math.acos(chord / (L - 2 * l))
-    return l, y, 0.5 * k1 * y * math.sin(theta_l) * math.cos(theta_l)  # (16)
-
-
-@pytest.mark.parametrize("strain", [0.08, 0.12, 0.2, 0.4])
-def test_state_solves_the_spring_equations(strain):
-    l, y, F_b = springs((strain - EPS_F) * L0)
-    state = buckled(strain)
-    # arccos near 1 costs the printed form half its digits at small x
-    assert_allclose(state.arc_strain, EPS_F + 2 * l / L0, rtol=1e-10)
-    assert_allclose(state.deflection, y, rtol=1e-8)
-    assert_allclose(-state.bending, F_b, rtol=1e-8)
-    assert_allclose(state.moment, 2 * math.pi**2 * EI * y / (L0 * (1 - strain)) ** 2, rtol=1e-8)
-    assert_allclose(state.mesh, muscle.braid.mesh_force(P, EPS_F + 2 * l / L0), rtol=1e-9)
-    assert_allclose(state.bladder, muscle.bladder.force(EPS_F), rtol=1e-13)
-    assert not state.straight
 
 
 def test_bending_starts_as_an_axial_spring():

@@ -33,32 +33,6 @@ def buckled(eps):
         return state_of(law, column, eps)
 
 
-def parameter(chord):
-    """The m of an elastica whose ends are `chord` of its length apart, with mpmath's integrals."""
-    return float(
-        mpmath.findroot(lambda m: 2 * mpmath.ellipe(m) / mpmath.ellipk(m) - 1 - chord, 0.3)
-    )
-
-
-@pytest.mark.parametrize("strain", [onset + 1e-6, 0.12, 0.3, 0.6])
-def test_state_is_an_equilibrium(strain):
-    """(E2), with mpmath's integrals."""
-    state = buckled(strain)
-    arc = float(state.arc_strain)
-    length, chord = L0 * (1 - arc), (1 - strain) / (1 - arc)
-    # K and E are flat in m at the onset: there the chord alone gives m to 1e-16/1e-5
-    m = parameter(chord)
-    K, k = float(mpmath.ellipk(m)), math.sqrt(m)
-    EI, L_fs = float(column.bending_stiffness), float(column.free_length)
-    N = 16 * K**2 * EI / (L_fs * length)
-    assert_allclose(-column.pull(arc).force, N * chord, rtol=1e-9)
-    assert_allclose(state.mesh + state.bladder + state.bending, -N, rtol=1e-9)
-    assert_allclose(state.deflection, length * k / K, rtol=1e-8)
-    assert_allclose(state.moment, 8 * k * K * EI / L_fs, rtol=1e-8)
-    assert_allclose(state.moment, N * state.deflection / 2, rtol=1e-9)
-    assert column.free_strain < arc < onset
-
-
 def test_straight_until_the_first_onset():
     EI, L_fs = column.bending_stiffness, column.free_length
     held = -column.pull(onset).force * L0 * (1 - onset) * L_fs

@@ -18,10 +18,6 @@ plain = fs.Muscle(*SIZES)
 tuned = fs.Muscle(*SIZES, tuning=fs.Tuning(**TABLE))
 
 
-def with_factors(**factors):
-    return fs.Muscle(*SIZES, tuning=fs.Tuning(**factors))
-
-
 @beyond
 def test_left_out_it_is_the_identity():
     P, eps = np.array([[0.0], [5e4], [1e6]]), np.linspace(-0.1, 0.6, 15)
@@ -41,17 +37,6 @@ def test_tables_are_linear_from_rest_and_flat_beyond():
     assert_allclose(written.c1_at(P[:3]), [0, 1, 2], rtol=1e-15)
 
 
-def test_tension_is_corrected_as_the_paper_says():
-    P, eps = 2e5, np.linspace(-0.1, 0.1, 6)  # C1 = 3 N, C2 = 1
-    before, after = plain.response(P, eps), tuned.response(P, eps)
-    assert_allclose(after.force, before.force - 3, rtol=1e-13)
-    assert_allclose(after.mesh, before.mesh, rtol=1e-13)
-    assert_allclose(after.bladder, before.bladder - 3, rtol=1e-12)
-    before, after = plain.response(1e5, eps), tuned.response(1e5, eps)  # C1 = 2 N, C2 = 0.9
-    assert_allclose(after.force, 0.9 * (before.force - 2), rtol=1e-12)
-    assert_allclose(after.mesh, 0.9 * before.mesh, rtol=1e-13)
-
-
 def test_it_restores_what_was_measured():
     # (34) and (35) from a free strain and a blocked force that were "measured"
     P, free, blocked = 1e5, 0.11, 30.0
@@ -60,27 +45,6 @@ def test_it_restores_what_was_measured():
     fitted = fs.Muscle(*SIZES, tuning=fs.Tuning([P], [c1], [c2]))
     assert_allclose(fitted.free_strain(P), free, rtol=1e-12)
     assert_allclose(fitted.blocked_force(P), blocked, rtol=1e-13)
-
-
-def test_modulus_factor_stands_wherever_the_modulus_does():
-    stiff = with_factors(youngs_modulus_factor=1.25)
-    made = fs.Muscle(
-        *SIZES, material=fs.MooneyRivlin(118.4e3, 105.7e3, 1.25 * 6 * (118.4e3 + 105.7e3))
-    )
-    P, eps = np.array([[0.0], [1e5]]), np.linspace(-0.1, 0.6, 29)
-    assert_allclose(stiff.force(P, eps), made.force(P, eps), rtol=1e-11)
-    assert_allclose(stiff.collapse_moment(P), made.collapse_moment(P), rtol=1e-14)
-    assert_allclose(stiff.force(P, -0.05), plain.force(P, -0.05), rtol=0)  # never in C10, C01
-
-
-def test_factors_on_moment_and_hinge():
-    P = np.array([0.0, 2e5])
-    weak = with_factors(collapse_moment_factor=0.5)
-    assert_allclose(weak.collapse_moment(P), 0.5 * plain.collapse_moment(P), rtol=1e-15)
-    hinged = with_factors(hinge_stiffness_factor=0.8, hinge_stiffness_slope=1e-6)
-    at = 0.55  # collapsed: the moment is the hinge's own, a constant in strain
-    assert_allclose(hinged.moment(P, at) / plain.moment(P, at), [0.8, 1.0], rtol=1e-13)
-    assert_allclose(hinged.collapse_strain(P), plain.collapse_strain(P), rtol=0)
 
 
 def test_without_a_dead_band_the_effective_pressure_is_the_pressure():
