@@ -13,15 +13,15 @@ from fascicle.units import DIMENSIONS, exact, format_digits, parse, parse_list, 
 REGISTRY = pint.UnitRegistry()
 # pint takes turns for radians: an rpm is 2π/60 1/s there, 1/60 Hz here; it knows N*m, but no Nm
 OTHERS = {"rpm", "Nm", "mNm", "kNm", "Nmm"}
-UNITS = [(kind, unit) for kind, d in DIMENSIONS.items() for unit in d.factors if unit not in OTHERS]
 
 
-@pytest.mark.parametrize(("kind", "unit"), UNITS)
-def test_the_table_agrees_with_pint(kind, unit):
+@pytest.mark.parametrize("kind", DIMENSIONS)
+def test_the_table_agrees_with_pint(kind):
     si = DIMENSIONS[kind].si.replace("^", "**") or "dimensionless"
-    theirs = REGISTRY.Quantity(1.0, REGISTRY.parse_units(unit.replace("^", "**"))).to(si)
-    # pint multiplies a few rounded floats: some last bits apart, no more
-    assert parse(f"1 {unit}", kind) == pytest.approx(theirs.magnitude, rel=1e-14)
+    for unit in DIMENSIONS[kind].factors.keys() - OTHERS:
+        theirs = REGISTRY.Quantity(1.0, REGISTRY.parse_units(unit.replace("^", "**"))).to(si)
+        # pint multiplies a few rounded floats: some last bits apart, no more
+        assert parse(f"1 {unit}", kind) == pytest.approx(theirs.magnitude, rel=1e-14), unit
 
 
 @pytest.mark.parametrize(

@@ -45,9 +45,12 @@ def test_round_trip(name):
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
-@pytest.mark.parametrize("z", WILD)
-def test_wherever_the_search_goes_the_muscle_can_be(name, z):
-    moved = PARAMETERS[name].put(muscle, jnp.asarray(z))
+def test_wherever_the_search_goes_the_muscle_can_be(name):
+    for z in WILD:
+        check_muscle(PARAMETERS[name].put(muscle, jnp.asarray(z)))
+
+
+def check_muscle(moved):
     assert all(np.all(np.isfinite(leaf)) for leaf in leaves(moved))
     tuning = moved.tuning
     sizes = moved.length, moved.wall_thickness, moved.outer_radius, moved.braid_angle
