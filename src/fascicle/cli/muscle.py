@@ -353,10 +353,10 @@ def _with_sizes(
         b, n = parse(thread, "length", "--thread"), parse(turns, "number", "--turns")
         lines["outer_radius"] = _line("thread_length", b, "of one thread of the braid")
         lines["braid_angle"] = f"turns = {n:.6g}".ljust(33) + "# of a thread around the muscle"
+    outer, inner = _diameters(tube) if tube else (0.0, 0.0)
     if tube:
-        outer, inner = _diameters(tube)
         lines["wall_thickness"] = _line("wall_thickness", (outer - inner) / 2, "of the tube")
-    if sleeve and tube:
+    if sleeve:
         size, _, angle = sleeve.partition("at")
         nominal = parse(size.strip(), "length", "--sleeve")
         at_nominal = parse(angle.strip() or "30 deg", "angle", "--sleeve")

@@ -105,7 +105,7 @@ def check_choice(name: str, choices: Iterable[str], argument: str) -> str:
     names = sorted(choices)
     similar = difflib.get_close_matches(str(name), names, n=1, cutoff=0.4)
     hint = f"did you mean {similar[0]!r}? " if similar else ""
-    remedy = f"{hint}choose one of {', '.join(names)}"
+    remedy = f"{hint}choose one of {', '.join(names) or 'none'}"
     raise InvalidInputError(argument, f"{name!r} is unknown", name, remedy, shown="")
 
 

@@ -27,7 +27,7 @@ import numpy as np
 from gymnasium.spaces import Box
 
 from ..bundle import Bundle, MotorUnit
-from ..core.array_namespace import array_namespace
+from ..core.array_namespace import absolute, array_namespace
 from ..core.errors import InvalidInputError
 from ..core.types import Numbers
 from ..core.validation import check_choice
@@ -35,8 +35,8 @@ from ..fluid import ConstantSupply, Isothermal, SonicValve
 from ..muscle import Muscle
 from . import forked
 from .attach import attach
-from .drive import Drive
-from .optional_imports import Model, mujoco
+from .drive import Drive, Fluid
+from .optional_imports import Data, Model, mujoco
 
 
 SUPPLY = 413.7e3  # Pa
@@ -61,6 +61,14 @@ _MASS = f"""<mujoco>
 <body><joint name="moved" type="slide" axis="0 0 1" range="-0.008 0.04" limited="true"
  damping="20"/><geom size="0.05" mass="5"/></body></worldbody>
 <tendon><fixed name="cord"><joint joint="moved" coef="-1"/></fixed></tendon></mujoco>"""
+
+
+class Episode(NamedTuple):
+    """State of an environment: `data` of MuJoCo or MJX, the `fluid` of its muscles, its `goal`."""
+
+    data: Data
+    fluid: Fluid
+    goal: Numbers
 
 
 class EnvironmentTask(NamedTuple):
@@ -88,14 +96,27 @@ class EnvironmentTask(NamedTuple):
         parts = ConstantSupply(SUPPLY), Isothermal(dead_volume=2e-6), SonicValve(5e-10, 0.3)
         return model, Drive.of(model, attached, *parts, shape=(65, 81))
 
-    def observation(
-        self, position: Numbers, speed: Numbers, target: Numbers, pressures: Numbers
-    ) -> Numbers:
-        """`position`, `speed`, `target` [SI] and units' `pressures` [Pa], scaled to [-1, 1]."""
-        xp = array_namespace(position, pressures)
-        ways = [(x - self.middle) / self.reach for x in (position, target)]
-        scalars = xp.stack([ways[0], speed / self.speed, ways[1]])
-        return xp.clip(xp.concatenate([scalars, 2 * pressures / SUPPLY - 1]), -1.0, 1.0)
+    def begin(self, generator: np.random.Generator) -> tuple[Numbers, Numbers, Numbers]:
+        """Position, speed and target of an episode [SI]."""
+        return np.zeros(1), np.zeros(1), np.float64(generator.uniform(self.low, self.high))
+
+    def observe(self, episode: Episode) -> Numbers:
+        """Position, speed, target and units' pressures of an `episode`, scaled to [-1, 1]."""
+        data, fluid, target = episode
+        xp = array_namespace(data.qpos, fluid.pressures)
+        ways = [(x - self.middle) / self.reach for x in (data.qpos[0], target)]
+        scalars = xp.stack([ways[0], data.qvel[0] / self.speed, ways[1]])
+        return xp.clip(xp.concatenate([scalars, 2 * fluid.pressures / SUPPLY - 1]), -1.0, 1.0)
+
+    def reward(self, episode: Episode, _: Numbers) -> Numbers:
+        """Negative scaled error of the position of an `episode` [-]."""
+        return -absolute(episode.data.qpos[0] - episode.goal) / self.reach
+
+    def measure(self, episode: Episode) -> dict[str, Numbers]:
+        """What is measured in an `episode` [SI], by name."""
+        data, fluid, target = episode
+        measured = {"position": data.qpos[0], "target": target, "pressures": fluid.pressures}
+        return measured | {"forces": -data.actuator_force, "air": fluid.consumption}
 
 
 def box(low: float, high: float, count: int) -> Box:
@@ -139,7 +160,7 @@ class Environment(gymnasium.Env):
         self.observation_space = box(-1.0, 1.0, 3 + self.drive.units)
         self.action_space = box(-1.0, 1.0, self.drive.units)
         self.data = mujoco.MjData(self.model)
-        self.target = self.task.middle
+        self.target: Numbers = self.task.middle
         self.fluid = self.drive.start(self.model, self.data)
 
     @cached_property
@@ -158,9 +179,9 @@ class Environment(gymnasium.Env):
         """
         super().reset(seed=seed)
         mujoco.mj_resetData(self.model, self.data)
-        self.target = float(self.np_random.uniform(self.task.low, self.task.high))
+        self.data.qpos[:], self.data.qvel[:], self.target = self.task.begin(self.np_random)
         self.fluid = self.drive.start(self.model, self.data, START)
-        return self._results()
+        return self._results()[:2]
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
         """One step of 10 ms with valves open by a finite `action` [-]: observation, reward, true if
@@ -170,21 +191,17 @@ class Environment(gymnasium.Env):
         command = check_action(action, self.action_space.shape or ())
         for _ in range(FRAMES):
             self.fluid = self.drive.step(self.model, self.data, self.fluid, command, self._act)
-        error = abs(float(self.data.qpos[0]) - self.target) / self.task.reach
-        observation, info = self._results()
-        return observation, -error, not bool(self.fluid.inside), False, info
+        observation, info, reward = self._results()
+        return observation, reward, not bool(self.fluid.inside), False, info
 
-    def _results(self) -> tuple[np.ndarray, dict]:
-        """Observation [-] and what is measured [SI]; draws the window of the mode "human"."""
+    def _results(self) -> tuple[np.ndarray, dict, float]:
+        """Observation [-], what is measured [SI], and reward [-]; draws the window of "human"."""
         if self.render_mode == "human":
             self.render()
-        pressures, air = np.asarray(self.fluid.pressures), float(self.fluid.consumption)
-        position, speed = float(self.data.qpos[0]), float(self.data.qvel[0])
-        forces = -self.data.actuator_force[list(self.drive.actuators)]
-        info = {"position": position, "target": self.target, "pressures": pressures}
-        info |= {"forces": forces, "air": air}
-        row = self.task.observation(np.float64(position), speed, self.target, pressures)
-        return row.astype(np.float32), info
+        fluid = Fluid(*(np.asarray(x)[()] for x in self.fluid))  # NumPy's, also of a compiled step
+        now, task = Episode(self.data, fluid, self.target), self.task
+        row = task.observe(now).astype(np.float32)
+        return row, task.measure(now), float(task.reward(now, None))
 
     def render(self) -> Any:
         """Draw the scene: an image of 480 × 640 by "rgb_array", MuJoCo's viewer by "human"."""

@@ -5,34 +5,127 @@ contract it. A longer muscle contracts by a smaller share, and pulls more, so th
 whose pull at the supply's pressure has the margin in each pose is chosen. Among muscles and
 numbers of them in parallel, the one that fills with the least fluid.
 
+**Sign:** a moment arm is positive where a pull on the tendon raises the joint's coordinate; it is
+the negative derivative of the tendon's length, as in OpenSim. MuJoCo's `actuator_moment` has the
+other sign for an actuator that pushes.
+
 **Assumes** rigid cords, that nothing else moves the joint, and that the muscle's law holds for
 other lengths.
 """
 
+import itertools
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..bundle import Bundle, MotorUnit
 from ..core.errors import InvalidInputError
 from ..core.types import Values
-from ..core.validation import HIGHEST_PRESSURE, check_interval, check_positive
+from ..core.validation import HIGHEST_PRESSURE, check_choice, check_interval, check_positive
 from ..files import catalog
 from ..files.measured_muscles import CatalogEntry
 from ..muscle import Muscle
 from ..repr_table import ReprTable, with_table_repr
 from .attach import check_model
-from .optional_imports import Model
-from .route import Ranges, Route, trace_route
+from .optional_imports import Model, mujoco
 
 
 _LONGEST = 8.0  # strokes, where no room is given: a longer muscle contracts by less than 12.5 %
 _HALVINGS = 30  # of the length's range: to a millionth of it
+_STEP = 1e-5  # rad or m, of central differences: the length is known to 1e-16 m
+_MOVES = 1e-6  # m/rad or m/m, the least moment arm that counts
+
+Ranges = dict[str, Sequence[Values]]  # ends of joints' coordinates by name [rad or m]
+
+
+class Route(NamedTuple):
+    """A tendon's way: names of the `joints` that move it, their coordinates in `poses`, a row for
+    each [rad or m], and of each pose the tendon's `lengths` [m] and `moment_arms` about the
+    `torque_joint` [m, or - of a slide]. `spatial`: true of a tendon that has a path.
+    """
+
+    joints: tuple[str, ...]
+    torque_joint: str
+    poses: np.ndarray
+    lengths: np.ndarray
+    moment_arms: np.ndarray
+    hinge: bool
+    spatial: bool
+
+    @property
+    def coordinate(self) -> np.ndarray:
+        """Coordinate of the torque's joint in each pose [rad or m]."""
+        return self.poses[:, self.joints.index(self.torque_joint)]
+
+    def format_coordinate(self, index: int) -> str:
+        """Coordinate of the torque's joint in the pose `index`, with its unit."""
+        value = float(self.coordinate[index])
+        return f"{np.rad2deg(value):.0f} deg" if self.hinge else f"{1e3 * value:.1f} mm"
+
+
+def trace_route(
+    model: Model, tendon: str, joint: str | None, ranges: Ranges | None, points: int
+) -> Route:
+    """Trace a `tendon` of MuJoCo's compiled `model` over `points` of each joint that moves it;
+    arguments are those of `size`. `InvalidInputError` for unknown names, and joints without range.
+    """
+    names = [model.tendon(i).name for i in range(model.ntendon)]
+    index = names.index(check_choice(tendon, names, "tendon"))
+    data = mujoco.MjData(model)
+
+    def length(coordinates: dict[str, float]) -> float:
+        data.qpos[:] = model.qpos0
+        for name, value in coordinates.items():
+            data.qpos[addresses[name]] = value
+        mujoco.mj_fwdPosition(model, data)
+        return float(data.ten_length[index])
+
+    def moves(name: str) -> bool:
+        low, high = limits[name] or (-0.5, 0.5)
+        # a wrapped tendon may leave a joint here and there
+        lengths = [length({name: value}) for value in np.linspace(low, high, 7)]
+        return float(np.ptp(lengths)) > _MOVES * (high - low)
+
+    hinge, slide = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+    single = [model.joint(i) for i in range(model.njnt) if model.jnt_type[i] in {hinge, slide}]
+    is_hinge = {x.name: int(x.type[0]) == hinge for x in single}
+    addresses = {x.name: int(x.qposadr[0]) for x in single}
+    limits: dict[str, tuple[float, float] | None] = {
+        x.name: (float(x.range[0]), float(x.range[1])) if model.jnt_limited[x.id] else None
+        for x in single
+    }
+    for name, ends in (ranges or {}).items():
+        unit = "rad" if is_hinge[check_choice(name, is_hinge, "joint")] else "m"
+        values = [check_interval(x, -np.inf, np.inf, "ranges", unit) for x in ends]
+        limits[name] = float(min(values)), float(max(values))
+    joints = [name for name in limits if moves(name)]
+    if not joints:
+        rule = f"{tendon!r} isn't moved by any hinge or slide joint"
+        raise InvalidInputError("tendon", rule, tendon, shown="")
+    for name in (*(ranges or {}), *([] if joint is None else [joint])):
+        check_choice(name, joints, "joint")
+    if joint is None and len(joints) > 1:
+        rule = f"must be named for {tendon!r}, which several move: {', '.join(joints)}"
+        raise InvalidInputError("joint", rule, None)
+    if free := [name for name in joints if limits[name] is None]:
+        remedy = f"pass ranges={{{free[0]!r}: (low, high)}}, or limit it in the model"
+        raise InvalidInputError("ranges", f"must have the joint {free[0]!r}", None, remedy)
+    about = joint or joints[0]
+    grids = [np.linspace(*(limits[name] or (0.0, 0.0)), points) for name in joints]
+    poses = np.array(list(itertools.product(*grids)))
+    # each pose, and those beside it
+    steps = np.array([[0.0], [-_STEP], [_STEP]]) * (np.array(joints) == about)
+    lengths, shorter, longer = np.array(
+        [[length(dict(zip(joints, pose + step, strict=True))) for pose in poses] for step in steps]
+    )
+    fixed = int(model.wrap_type[model.tendon_adr[index]]) == int(mujoco.mjtWrap.mjWRAP_JOINT)
+    arms = (shorter - longer) / (2 * _STEP)
+    return Route(tuple(joints), about, poses, lengths, arms, is_hinge[about], not fixed)
 
 
 @dataclass(frozen=True, eq=False)

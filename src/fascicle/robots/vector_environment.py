@@ -7,7 +7,7 @@ end the next step resets, whatever its action, as Gymnasium's own vector environ
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -27,19 +27,12 @@ from .environments import (
     START,
     AntagonisticJoint,
     Environment,
+    Episode,
     HangingMass,
     box,
     check_action,
 )
 from .optional_imports import Data, Model, mjx, mujoco
-
-
-class Episode(NamedTuple):
-    """State of one environment: MJX's `data`, the `fluid` of its muscles, and its `goal`."""
-
-    data: Data
-    fluid: Fluid
-    goal: Numbers
 
 
 class VectorEnvironment(VectorEnv):
@@ -235,26 +228,8 @@ def _vector_of(
         raise InvalidInputError("render_mode", "must be None", render_mode, "draw a single one")
     task = kind.task
     model, drive = task.compile()
-
-    def begin(generator: np.random.Generator) -> tuple[Numbers, Numbers, Numbers]:
-        target = generator.uniform(task.low, task.high)
-        return np.zeros(model.nq), np.zeros(model.nv), np.float64(target)
-
-    def observe(episode: Episode) -> Numbers:
-        data, fluid, target = episode
-        return task.observation(data.qpos[0], data.qvel[0], target, fluid.pressures)
-
-    def reward(episode: Episode, _: Numbers) -> Numbers:
-        return -jnp.abs(episode.data.qpos[0] - episode.goal) / task.reach
-
-    def measure(episode: Episode) -> dict:
-        data, fluid, target = episode
-        forces = -data.actuator_force[np.array(drive.actuators)]
-        info = {"position": data.qpos[0], "target": target, "pressures": fluid.pressures}
-        return info | {"forces": forces, "air": fluid.consumption}
-
-    functions, space = (begin, observe, reward, measure), box(-1.0, 1.0, 3 + drive.units)
-    options = (START, FRAMES, max_episode_steps, space)
+    functions = (task.begin, task.observe, task.reward, task.measure)
+    options = (START, FRAMES, max_episode_steps, box(-1.0, 1.0, 3 + drive.units))
     return VectorEnvironment(model, drive, num_envs, *functions, *options)
 
 

@@ -10,7 +10,7 @@ import fascicle as fs
 
 mujoco = pytest.importorskip("mujoco", reason="the extra robots isn't here")
 from fascicle.robots import Drive, attach, size  # noqa: E402 needs what was just looked for
-from fascicle.robots.route import trace_route  # noqa: E402 as above
+from fascicle.robots.sizing import trace_route  # noqa: E402 as above
 from fascicle.robots.sizing_plot import plot_sizing  # noqa: E402 as above
 
 
