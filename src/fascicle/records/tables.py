@@ -179,18 +179,16 @@ class Table:
             elif has_extra[row]:
                 width, count = len(self.header), len(_trim(cells))
                 rule = f"{count} cells, where the header has {width}: quote or drop the odd ones"
-                if self.delimiter == "," and count <= 2 * width:
-                    rule += ", or part the columns by semicolons if decimals stand after commas"
-                raise ValueError(f"{self.source}, line {line}: {rule}.")
+                remedy = "or part columns by semicolons if decimals stand after commas"
+                raise ValueError(f"{self.source}, line {line}: {rule}, {remedy}.")
             elif bad:
                 raise self._number_error(line, cells[bad[0]], bad[0])
             else:
                 holes.append(line)
         count = int(is_reading.sum())
         if not count:
-            rule = f"no row of numbers below line {self.line}"
-            rule += f": it has {len(self._frame)} rows" if len(self._frame) else ""
-            raise ValueError(f"{self.source}: no readings: {rule}.")
+            rows_text = f"{len(self._frame)} rows below line {self.line}"
+            raise ValueError(f"{self.source}: no readings: no numbers in {rows_text}.")
         if not sparse and len(holes) > _MAX_LOSS * (count + len(holes)):
             rule = f"{len(holes)} of {count + len(holes)} rows have holes"
             remedy = "fill or delete them, resample channels to one rate, or choose other columns"
@@ -273,15 +271,10 @@ class Table:
             if self.numbers.decimal in self.numbers.unclear:  # else decimals have the other sign
                 choices.insert(0, ("decimal", "", sign, f" if it is {text.replace(sign, '.')}"))
             return MissingMetadataError(str(before), *choices)
-        hint = "correct it, or empty the cell to leave out its row"
-        if _GROUPED.fullmatch(text):
-            hint = "write it without signs between thousands, or give the sign before decimals"
-        elif _COMMA.fullmatch(text):
-            hint = "write the decimals after a point"
-        elif re.match(r"[+-]?\d[\d.,]*\s*[^\W\d_]+$", text):
-            hint = "write the number alone, in the unit of its column"
         excerpt = text if len(text) <= 30 else text[:27] + "…"
-        return self.cell_error(line, column, f"{excerpt!r} is no finite number: {hint}.")
+        rule = f"{excerpt!r} is no finite number"
+        remedy = "write it alone, with decimals after a point, or empty the cell"
+        return self.cell_error(line, column, f"{rule}: {remedy}.")
 
 
 def open_table(

@@ -2,7 +2,6 @@
 
 import sys
 import tomllib
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -206,44 +205,6 @@ def test_xlsx_files(tmp_path):
     book.save(path)
     assert asked(path, rest_length=REST)[0][::2] == ("table", "Data")
     check(load(path, rest_length=REST, table="data 2"))
-
-
-def change_part(path, part, change):
-    """Apply a function to a part of a workbook."""
-    with zipfile.ZipFile(path) as source:
-        parts = {name: source.read(name) for name in source.namelist()}
-    parts[part] = change(parts[part])
-    with zipfile.ZipFile(path, "w") as changed:
-        for name, content in parts.items():
-            changed.writestr(name, content)
-
-
-def test_a_sheet_whose_formats_are_too_long_is_refused_at_once(tmp_path):
-    openpyxl = pytest.importorskip("openpyxl")
-    openpyxl.Workbook().save(tmp_path / "m.xlsx")
-    form = b'<numFmt formatCode="' + b"[" * 300 + b'"/>'
-    change_part(tmp_path / "m.xlsx", "xl/styles.xml", lambda text: text + form)
-    with refuses_at(f"{tmp_path / 'm.xlsx'}: "):
-        load(tmp_path / "m.xlsx")
-
-
-@pytest.mark.parametrize("number", [b"-3", b"0", b"2"])
-def test_a_row_whose_number_does_not_rise_is_refused(tmp_path, number):
-    openpyxl = pytest.importorskip("openpyxl")
-    book = openpyxl.Workbook()
-    for row in (["Time [s]", "P [kPa]", "F [N]", "L [mm]"], *ROWS):
-        book.active.append(list(row))
-    book.save(path := tmp_path / "m.xlsx")
-    check(load(path, rest_length=REST))
-
-    def renumber(sheet):
-        assert sheet.count(b'<row r="3"') == 1
-        return sheet.replace(b'<row r="3"', b'<row r="%s"' % number)
-
-    change_part(path, "xl/worksheets/sheet1.xml", renumber)
-    with refuses_at(f"{path}") as error:
-        load(path, rest_length=REST)
-    assert number.decode() in str(error.value)
 
 
 @pytest.mark.parametrize(
