@@ -5,7 +5,7 @@ too strong. So readings must lie in the range of muscles: gauge pressures up to 
 from −0.2 to 0.9, and a force that a muscle's cross section can bear.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -65,6 +65,11 @@ BRANCHES = (
 _FLAGS = dict.fromkeys(words("1, 1.0, true, yes, y, x, clipped, censored"), True) | dict.fromkeys(
     words("0, 0.0, false, no, n, , -, ok"), False
 )
+
+
+def is_flag_of_ways(texts: Iterable[str]) -> bool:
+    """True for 1 one way and 0 the other, as of a valve: which is up, is the user's to say."""
+    return {*texts} in ({"0", "1"}, {"0.0", "1.0"})
 
 
 @dataclass(eq=False)
@@ -417,8 +422,7 @@ class Readings:
         if "branch" not in self.columns:
             return np.full(self.force.size, UNKNOWN, dtype=np.int8)
         values = self._meanings("branch", BRANCHES, "up or down").astype(np.int8)
-        # of a valve or a flag: 1 one way, 0 the other
-        is_flag = {*self.cells["branch"]} in ({"0", "1"}, {"0.0", "1.0"})
+        is_flag = is_flag_of_ways(self.cells["branch"])
         return np.where(values == UNKNOWN, np.int8(DOWN), values) if is_flag else values
 
     def _meanings(self, role: str, meanings: Mapping[str, int], rule: str) -> np.ndarray:

@@ -26,7 +26,7 @@ from .headers import (
     unit_factor,
 )
 from .published import from_json
-from .quantities import BRANCHES, Readings
+from .quantities import BRANCHES, Readings, is_flag_of_ways
 from .record import Record, Source, join, note, warning
 from .sidecar import Sidecar, read_sidecar, sidecar_beside
 from .tables import MAX_ROWS, Table, open_table, read_seconds
@@ -303,7 +303,8 @@ def _read_cells(readings: Readings, rows: tuple[int, int] | None) -> None:
     readings.cells = pd.DataFrame(cells)
     is_misread = {
         "time": time is not None and cells["time"].dtype != float,
-        "branch": "branch" in columns and not {*cells["branch"]} <= {*BRANCHES},
+        "branch": "branch" in columns
+        and (not {*cells["branch"]} <= {*BRANCHES} or is_flag_of_ways(cells["branch"])),
     }
     for role, is_other in is_misread.items():
         if is_other and role not in named:

@@ -20,7 +20,6 @@ from ..core.errors import require
 from ..core.findings import Finding
 from .headers import (
     EXAMPLE_NAMES,
-    LONGEST_NAME,
     NUMBER,
     ROLES,
     SIGNALS,
@@ -309,9 +308,6 @@ def open_table(
     if header and "->" in header[0]:
         rule = "remove the clock of the serial monitor before each line, or switch it off"
         raise ValueError(f"{source}, line {line}: {rule}.")
-    if max(map(len, header), default=0) > LONGEST_NAME:
-        rule = f"a column's name is longer than {LONGEST_NAME} characters"
-        raise ValueError(f"{source}, line {line}: {rule}: write # before lines above the header.")
     first = head[last + 1][0] if last + 1 < len(head) else len(lines) + 1
     body = lines[first - 1 :]
     if len(body) > MAX_ROWS:

@@ -88,7 +88,8 @@ _RECORD: dict[str, Part] = {
     "weights": "column `{column}` holds masses in {unit}: the force is their weight",
     "unread_columns": "columns not read: {names:columns}",
     "unused_unit": "unit {unit!r} of {role} not used: there is no such column",
-    "misread_column": "column `{column}` not read as {role}: its entries are not known",
+    "misread_column": "column `{column}` not read as {role}, its entries are unclear: if it is one,"
+    " name the column",
     "rows_with_holes": "{count:row} with holes left out, the first in line {line}",
     "rows_of_words": "{count:row} of words left out, the first in line {line}",
     "resampled": "channels interpolated on one clock, every {step:g} s",
