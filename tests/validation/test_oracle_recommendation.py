@@ -26,7 +26,12 @@ def largest_forces(muscle, counts, strain, supply):
     return np.max(totals, axis=0)
 
 
-@pytest.mark.parametrize("seed", range(30))
+SAMPLE = 6  # the others by `make slow`
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(SAMPLE), *(pytest.param(x, marks=pytest.mark.slow) for x in range(SAMPLE, 30))]
+)
 def test_recommendation(seed):
     rng = np.random.default_rng(seed)
     muscle = fs.example("kim2021_slenderness_10")

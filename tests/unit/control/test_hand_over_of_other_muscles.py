@@ -6,13 +6,9 @@ import pytest
 from tests.unit.control import random_muscles
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("count", "lag", "largest"),
-    [
-        (1, None, 0.3),
-        pytest.param(4, None, 0.3, marks=pytest.mark.slow),
-        pytest.param(4, 20e-3, 0.4, marks=pytest.mark.slow),
-    ],
+    ("count", "lag", "largest"), [(1, None, 0.3), (4, None, 0.3), (4, 20e-3, 0.4)]
 )
 def test_random_muscles_are_handed_over_with_small_dips(count, lag, largest):
     result = random_muscles.study(count, 0.2, 12, lag)
