@@ -192,20 +192,24 @@ class Drive(Module):
         add = array_namespace(coenergy).sum
         return add(cords, axis=-1) - add(self.plant.counts * coenergy, axis=-1)
 
+    @property
+    def highest_pressure(self) -> float:
+        """End of the muscles' tables [Pa]."""
+        return float(np.min(self.plant.muscles.highest_pressure))
+
     def _check_pressures(self, pressures: Values, name: str, low: float = 0.0) -> Numbers:
         """The `pressures` [Pa], refused off the muscles' tables and below the `low` end [Pa]."""
-        top = float(np.min(self.plant.muscles.highest_pressure))
-        return check_interval(pressures, low, top, name, "Pa", "of the table", (True, True))
+        ends = low, self.highest_pressure
+        return check_interval(pressures, *ends, name, "Pa", "of the table", (True, True))
 
     def _enter(self, pressures: Values, lengths: Values) -> tuple[Numbers, Numbers]:
         """Checked `pressures` [Pa], and strains of all units [-] at `lengths` of tendons [m]."""
         plant, low = self.plant, float(np.min(self.plant.chamber.lowest_pressure))
         P = match_array_type(pressures, self._check_pressures(pressures, "pressures", low))
+        P = _expand(P, self.units, "pressures", rows=True)
         lengths = match_array_type(lengths, check_finite(lengths, "lengths", "m"))
-        _check_shape(np.shape(P)[-1:], self.units, "pressures")
-        _check_shape(np.shape(lengths)[-1:], len(self.actuators), "lengths")
-        x = self.series.contractions(plant, self.rest_lengths - lengths, P)
-        eps = bundle_strains(plant, x)
+        lengths = _expand(lengths, len(self.actuators), "lengths", rows=True)
+        eps = bundle_strains(plant, self.series.contractions(plant, self.rest_lengths - lengths, P))
         if is_concrete(P, eps):
             self._warn(table_status(plant.muscles, P, eps), 4)
         return P, eps
@@ -214,8 +218,6 @@ class Drive(Module):
         """Pull of each bundle [N] at `pressures` [Pa] and `strains` of the units [-]."""
         force = self.plant.muscles.at(pressures, strains).force
         pull = self.series.sum_units(self.plant.counts * force)
-        if not any(self.series.slack):
-            return pull
         # a slack muscle pulls with the rounding of its free length
         return where(np.array(self.series.slack), maximum(pull, 0.0), pull)
 
@@ -236,9 +238,8 @@ class Drive(Module):
         """
         check_model(model, "model", ("MjModel",))
         mujoco.mj_forward(model, data)
-        P = self._check_pressures(pressures, "pressures")
-        _check_shape(np.shape(P), self.units, "pressures")
-        return self.fluid_at(data.actuator_length, P + np.zeros(self.units))
+        P = _expand(self._check_pressures(pressures, "pressures"), self.units, "pressures")
+        return self.fluid_at(data.actuator_length, P)
 
     def fluid_at(self, actuator_lengths: Numbers, pressures: Numbers) -> Fluid:
         """Fluid at `actuator_lengths`, of all actuators of the model [m], and units' `pressures`
@@ -268,8 +269,7 @@ class Drive(Module):
         `InvalidInputError` for a command that is none, and a simulation that diverges.
         """
         check = validate_commands if self.valved else self._check_pressures
-        values = check(command, "command")
-        _check_shape(np.shape(values), self.units, "command")
+        row = _expand(check(command, "command"), self.units, "command")
         if act is None:
             act, fluid = self.act, Fluid(*map(np.asarray, fluid))  # which compiled steps may give
         _check_integrator(model)
@@ -278,7 +278,7 @@ class Drive(Module):
         if not np.all(np.isfinite(lengths)):
             remedy = "the simulation has diverged: take a shorter timestep, or more damping"
             raise InvalidInputError("data", "must have finite tendon lengths", None, remedy)
-        after, pull = act(fluid, lengths, values + np.zeros(self.units), model.opt.timestep)
+        after, pull = act(fluid, lengths, row, model.opt.timestep)
         data.ctrl[list(self.actuators)] = pull
         mujoco.mj_step2(model, data)
         self._warn(after.status, 3)
@@ -339,10 +339,15 @@ def with_types(after: PyTree, before: PyTree) -> PyTree:
     return jax.tree.map(lambda x, y: jnp.asarray(x, y.dtype), after, before)
 
 
-def _check_shape(shape: tuple[int, ...], count: int, name: str) -> None:
-    """Refuse the `shape` of an argument called `name` that isn't one number, or `count` of them."""
-    if shape not in {(), (1,), (count,)}:
-        raise InvalidInputError(name, f"must be one, or {count}", None, shown=f"{shape[-1]}")
+def _expand(values: Numbers, count: int, name: str, rows: bool = False) -> Numbers:
+    """A row of `count` numbers of `values` [any unit] called `name`, one or `count` of them, or
+    `rows` of them; refused with another shape.
+    """
+    shape = np.shape(values)
+    if shape[-1:] not in {(), (1,), (count,)} or (len(shape) > 1 and not rows):
+        text = f"the shape {shape}"
+        raise InvalidInputError(name, f"must be one, or {count}", None, shown=text)
+    return values + np.zeros(count)
 
 
 def _check_integrator(model: Model) -> None:

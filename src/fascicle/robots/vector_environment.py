@@ -19,7 +19,7 @@ from gymnasium.vector.utils import batch_space
 
 from ..core.errors import InvalidInputError
 from ..core.types import Marks, Numbers, PyTree, Values
-from ..core.validation import check_interval, check_whole_number
+from ..core.validation import check_whole_number
 from .attach import check_model
 from .drive import Drive, Fluid, with_types
 from .environments import (
@@ -92,9 +92,8 @@ class VectorEnvironment(VectorEnv):
             )
             raise InvalidInputError("drives", rule, None, shown=text)
         self.model, self._valved, units = model, drives[0].valved, drives[0].units
-        self._highest = min(float(np.min(drive.plant.muscles.highest_pressure)) for drive in drives)
-        P = check_interval(pressures, 0.0, self._highest, "pressures", "Pa", closed=(True, True))
-        self._pressures = np.broadcast_to(P, (units,)) + 0.0
+        self._highest = min(drive.highest_pressure for drive in drives)
+        self._pressures = drives[0].start(model, mujoco.MjData(model), pressures).pressures
         self._engine = mjx()
         self._blank = self._engine.put_data(model, mujoco.MjData(model))
         self._physics = self._engine.put_model(model)

@@ -180,6 +180,7 @@ def test_invalid_input_is_refused_in_one_line(elbow, bundle):
         ("chamber", lambda: elbow(**parts)),
         ("command", lambda: drive.step(model, data, held, [np.nan, 0.0])),
         ("model", lambda: drive.start(data, model)),
+        ("pressures", lambda: drive.start(model, data, [1e5] * 3)),
         ("pressures", lambda: drive.pull([1e5] * 3, drive.rest_lengths)),
         ("lengths", lambda: drive.pull([1e5] * 2, [0.1] * 3)),
         ("attached", lambda: Drive.of(model, [])),
