@@ -51,22 +51,16 @@ class Branches(Module):
 
     @classmethod
     def of(
-        cls,
-        bundle: Bundle,
-        supply_pressure: Values = None,
-        shape: tuple[int, int] = SHAPE,
-        highest_pressure: float | None = None,
+        cls, bundle: Bundle, supply_pressure: Values = None, shape: tuple[int, int] = SHAPE
     ) -> "Branches":
         """Rising branches of the motor units of a `bundle` up to the `supply_pressure` [Pa], left
-        out its own; `shape`: nodes of the muscles' tables in pressure and strain, up to the
-        `highest_pressure` [Pa], left out the supply's.
+        out its own; `shape`: nodes of the muscles' tables in pressure and strain.
         """
         supply = resolve_supply_pressure(bundle, supply_pressure)
-        highest = supply if highest_pressure is None else highest_pressure
-        key = "control.branches", supply, shape, highest
+        key = "control.branches", supply, shape
         if key not in bundle.cache:
             muscles = [unit.muscle for unit in bundle.motor_units]
-            tables = MuscleTables.from_muscles(muscles, highest, shape)
+            tables = MuscleTables.from_muscles(muscles, supply, shape)
             bundle.cache[key] = cls.tabulated(tables, supply)
         return bundle.cache[key]
 

@@ -155,9 +155,7 @@ class ControlledUnits(Module):
     @classmethod
     def from_plant(cls, plant: Plant, side: int) -> "ControlledUnits":
         """Model of the units of the bundle `side` of a `plant`, counted from 0."""
-        # the plant's own tables: a controller's model differs from it by what its user changes
-        top, bundle = float(np.max(plant.muscles.highest_pressure)), plant.bundles[side]
-        branches = Branches.of(bundle, plant.supply_pressure, highest_pressure=top)
+        branches = Branches.of(plant.bundles[side], plant.supply_pressure)
         indices = plant.unit_indices(side)
         parts = (plant.chamber, plant.valve, plant.exhaust_valve)
         chamber, valve, exhaust = (_select_units(part, indices, plant.units) for part in parts)

@@ -99,8 +99,12 @@ class BundleTables(NamedTuple):
 
     @property
     def pressures(self) -> tuple[float, float]:
-        """Limits of the gauge pressure within all units' tables [Pa]."""
-        return _LOWEST, min(float(surface.highest_pressure) for surface in self.surfaces)
+        """Limits of the gauge pressure [Pa]: of all units' tables, or of a controller's plant, as a
+        closed chamber may come above the table, where the force is linear.
+        """
+        if self.controller is not None:
+            return _LOWEST, float(np.max(self.controller.plant.muscles.highest_pressure))
+        return _LOWEST, self.highest_supply
 
     @property
     def supply_pressure(self) -> float:
@@ -112,7 +116,8 @@ class BundleTables(NamedTuple):
     @property
     def highest_supply(self) -> float:
         """Highest supply pressure of the inverse [Pa]."""
-        return float(f"{self.pressures[1]:.13g}")  # without the rounding of its root
+        top = min(float(surface.highest_pressure) for surface in self.surfaces)
+        return float(f"{top:.13g}")  # without the rounding of its root
 
     @property
     def roundings(self) -> np.ndarray:
@@ -160,7 +165,7 @@ class BundleTables(NamedTuple):
             "lines": lines,
             "columns": columns,
             "lowest_pressure_real": number(_LOWEST),
-            "rounding": number(1 + EDGE[self.precision]),
+            "highest_real": number(self.pressures[1] * (1 + EDGE[self.precision])),
             "errors": "\n".join(f" * {line}" for line in self.errors.splitlines()),
             "nodes": initializers([nodes(surface) for surface in surfaces]),
             "root_steps": initializers([float(surface.root_step) for surface in surfaces]),
@@ -213,7 +218,7 @@ def table_code(
     - `precision`: type of numbers in C, "double" or "float".
     - `highest_pressure`: gauge [Pa]; default: the bundle's supply pressure, or 1 MPa.
     - `shape`: nodes in pressure and in strain; default: 65 and 81, of floats 33 and 41; of a
-      `Cascade` in double precision 161 and 201, as its plant has them.
+      `Cascade` in double precision 161 and 201, as it has itself.
 
     **Raises:** `ValueError` for a name that C doesn't allow, and other invalid arguments.
     """
@@ -252,12 +257,11 @@ def tabulate(
         from ..control.branches import SHAPE
         from .controller import ROUNDED_COMMANDS, tabulate_controller
 
-        # in double precision the plant's own, so that a replay of a run decides alike
+        # in double precision Python's own, so that a replay of a run decides alike
         shape = shape or (SHAPE if precision == "double" else SHAPES[precision])
         controller = tabulate_controller(target, shape)
         plant = controller.plant
-        top = np.max(plant.muscles.highest_pressure)
-        tables = tabulate(plant.bundles[0], precision, top, shape)
+        tables = tabulate(plant.bundles[0], precision, plant.supply_pressure, shape)
         errors = tables.errors + ROUNDED_COMMANDS * (precision == "float")
         return tables._replace(errors=errors, controller=controller)
     if isinstance(target, Joint):

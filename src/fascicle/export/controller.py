@@ -55,10 +55,9 @@ def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
         if is_violated:
             rule = f"can't be written as C: it {reason}"
             raise InvalidInputError("controller", rule, None, remedy)
-    top = float(np.max(plant.muscles.highest_pressure))
     muscles = [unit.muscle for unit in plant.bundles[0].motor_units]
     strains = table_strains(plant.bundles[0])
-    tables = MuscleTables.from_muscles(muscles, top, shape, strains)
+    tables = MuscleTables.from_muscles(muscles, plant.supply_pressure, shape, strains)
     branches = Branches.tabulated(tables, plant.supply_pressure)
     units = (attrs.evolve(controller.units[0], branches=branches),)
     return attrs.evolve(controller, units=units, dt=controller.dt * controller.every, every=1)

@@ -7,7 +7,7 @@ static int inside(const real pressure[UNITS], real strain)
         const int kind = kind_of[unit];
         const real eps = own(unit, strain), P = pressure[unit];
 
-        all = all && P >= @lowest_pressure_real@ && P <= top[kind] * @rounding@;
+        all = all && P >= @lowest_pressure_real@ && P <= @highest_real@;
         all = all && eps >= low[kind] && eps <= high[kind];
     }
     return all;

@@ -1,7 +1,8 @@
 
 /* A controller of the force, by the policy "@policy@", with anti-windup. Its sample time is @dt@ s.
- * Its table has @lines@ x @columns@ cells: with 160 x 200, those of `fascicle simulate` and of double
- * precision, a replay of a run has the run's commands; with fewer it may hand over at another time. */
+ * Its table has @lines@ x @columns@ cells up to @inverse_highest@ Pa; above, forces are linear. With
+ * 160 x 200 cells, those of `fascicle simulate` and of double precision here, a replay of a run has
+ * the run's commands; with fewer it may hand over at another time. */
 typedef struct {
     @real@ force_integral; /* N */
     @real@ recruited;      /* units, and the part of the way to the next */

@@ -17,7 +17,7 @@ static real strain_of(int which, real angle)
 
 static int inside_joint(real angle, real lowest, real highest)
 {
-    int which, unit, all = lowest >= 0 && highest <= inverse_top * @rounding@;
+    int which, unit, all = lowest >= 0 && highest <= @highest_real@;
 
     for (which = 0; which < 2; which++)
         for (unit = first_unit[which]; unit < first_unit[which + 1]; unit++) {
