@@ -21,7 +21,7 @@ from .errors import UserError, user_errors
 from .inputs import check_grid, load_laws, read_list, read_muscle
 from .options import Command, Text, Texts, argument, complete_target, flag, option, with_options
 from .outputs import check_file, print_if_lost, result_folder, today, write_text
-from .terminal import print_line, print_written, status
+from .terminal import print_line, status
 
 
 if TYPE_CHECKING:
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from ..report.calibration import CalibrationResult
 
 _DOUBTS = 3  # in a line that is still read
-_LINES = 10  # of a verdict with the constants: more are not read
 _TUNING = "tuning"  # among names to fit: the paper's method
 DATA = argument(
     "DATA",
@@ -320,7 +319,7 @@ def calibrate(
             atomic.write_folder(folder, fill, overwrite)
     show()
     if folder is not None and not as_json:
-        print_written(folder, list(content))
+        print_line(f"wrote {folder}: {', '.join(content)}")
 
 
 def _show(result: "CalibrationResult", as_json: bool) -> None:
@@ -412,14 +411,9 @@ def _print_calibration(result: "CalibrationResult") -> None:
     note = ", with 90 % intervals (linear approximation):" if rows else f"{note}."
     for line in (*first, f"Constants{chosen}{note}"):
         print_line(line)
-    # with the heading of the constants, and the line on the files that were written
-    room = max(_LINES - len(first) - len(last) - 2, 1)
-    count = len(rows) if len(rows) <= room else room - 1
-    widths = [max((len(row[i]) for row in rows[:count]), default=0) for i in range(2)]
-    for name, value, interval in rows[:count]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for name, value, interval in rows:
         print(escape_invisible(f"  {name:<{widths[0]}}  {value:>{widths[1]}}  {interval}"))
-    if further := [f"{name} {value} ({interval})" for name, value, interval in rows[count:]]:
-        print_line(f"{'also ' if count else ''}{', '.join(further)}")
     for line in last:
         print_line(line)
 

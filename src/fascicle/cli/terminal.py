@@ -4,9 +4,7 @@ import contextlib
 import math
 import os
 import sys
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..io.sanitize import escape_invisible, sanitize_line
@@ -17,7 +15,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 _MAX_LINE = 2000  # characters of a line with foreign text, such as file names
-_MAX_NAMES = 2  # files of a kind that are named; more are counted
 _USUAL_WIDTH = 80
 _MAX_WIDTH = 10**5  # characters of a table's line in a file: no limit in practice
 
@@ -134,11 +131,3 @@ def status(text: str) -> Iterator[Callable[[str], None]]:
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(sanitize_line(text), total=None)
         yield lambda text: progress.update(task, description=sanitize_line(text), refresh=True)
-
-
-def print_written(folder: Path, names: Sequence[str]) -> None:
-    """Print a `folder` and the `names` of the files written into it, or how many of a kind."""
-    kinds = Counter(Path(name).suffix for name in names)
-    pages = [name for name in names if kinds[Path(name).suffix] <= _MAX_NAMES]
-    groups = [f"{kinds[kind]} {kind[1:]}" for kind in kinds if kinds[kind] > _MAX_NAMES]
-    print_line(f"wrote {folder}{os.sep}: {', '.join([*pages, *groups])}")
