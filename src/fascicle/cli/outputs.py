@@ -71,6 +71,8 @@ def result_folder(out: str | None, default: str, as_json: bool, overwrite: bool)
     if out is None and as_json:
         return None
     folder = Path(default if out is None else out)
+    if folder.suffix.lower() in (".json", ".csv", ".nc"):
+        raise UserError(f"--out {out!r}: names a folder of several files; --json prints one.")
     with user_errors("--out "):
         atomic.check_folder(folder, overwrite)
     return folder
