@@ -9,7 +9,7 @@ comes from an instrument, so `PSI`, `bar(g)`, `pct`, `Newtons` and `µm` are und
 import difflib
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -384,34 +384,30 @@ def choose_columns(table: "Table", info: "Sidecar") -> tuple[dict[str, Column], 
 
     Raises a `ValueError` for a column or a unit that is missing, unknown or ambiguous.
     """
-    names, units, constants = info.names, dict(info.units), set(info.constants)
+    names, units, constants = info.names, info.units, set(info.constants)
     constants |= {"moment_arm"} if info.arm_table else set()
-    chosen = {role: _index_of(table, role, header) for role, header in info.columns.items()}
+    file_header = table.header
     if names and len(table.header) > 2 * len(names):
         missing = len(table.header) - len(names)
         rule = f"{missing} of its {len(table.header)} columns are not named: give "
         text = ",".join([*(name or "-" for name in names), "-", "…"])
         choice = ("columns", "", text, ", with - for each to skip")
         raise MissingMetadataError(f"{table.where}: {rule}", choice)
-    for role, index, unit in _role_positions(names):
-        if index < len(table.header):
-            chosen[role] = index
-        if unit:
-            units.setdefault(role, unit)
+    table = _rename(table, names) if names else table
+    chosen = {role: _index_of(table, role, header) for role, header in info.columns.items()}
     for role, scale in info.scales.items():
         chosen.setdefault(role, _signal_index(table, role, scale))
-    _infer(table, chosen, units, constants, bool(names))
+    _infer(table, chosen, units, constants)
     columns, optional = {}, _optional_roles(constants | chosen.keys())
     for role, index in chosen.items():
-        header = table.header[index] or (names[index] if index < len(names) else "")
         try:
-            columns[role] = _complete(table, role, index, header, units.get(role), info)
+            columns[role] = _complete(table, role, index, units.get(role), info)
         except ValueError:
             if role not in optional or role in info.columns or role in units:
                 raise
     used = {column.index for column in columns.values()}
     # a nameless last column is a trailing delimiter
-    unread = [name for i, name in enumerate(table.header) if name and i not in used]
+    unread = [name for i, name in enumerate(file_header) if name and i not in used]
     columns = {role: column for role, column in columns.items() if role not in constants}
     findings = [column.finding() for column in columns.values()]
     force = columns.get("force")
@@ -420,15 +416,22 @@ def choose_columns(table: "Table", info: "Sidecar") -> tuple[dict[str, Column], 
     return columns, findings + [note("unread_columns", names=unread)] * bool(unread)
 
 
+def _rename(table: "Table", names: Sequence[str]) -> "Table":
+    """A table with the given names of its columns; without a unit they keep that of the file."""
+    units = [table.stated_unit(i) for i in range(len(table.header))]
+    named = [
+        f"{name} [{unit}]" if name and unit and not read_header(name)[0][1] else name
+        for name, unit in zip(names, units, strict=False)
+    ]
+    blanks = [""] * len(units)
+    return replace(table, header=(*named, *blanks)[: len(units)], units=tuple(blanks))
+
+
 def _infer(
-    table: "Table",
-    chosen: dict[str, int],
-    units: Mapping[str, str],
-    constants: set[str],
-    named: bool,
+    table: "Table", chosen: dict[str, int], units: Mapping[str, str], constants: set[str]
 ) -> None:
-    """Add the columns that the header tells to the `chosen` ones, unless all are `named`."""
-    for role in () if named else ROLES:
+    """Add the columns that the header tells to the `chosen` ones."""
+    for role in ROLES:
         supplied, used = constants | set(chosen), set(chosen.values())
         alternatives = next((group for group in _ALTERNATIVES if role in group), (role,))
         # a moment arm may depend on the angle, also where the length was measured
@@ -473,33 +476,14 @@ def split_names(names: Any) -> tuple[str, ...]:
     if not isinstance(entries, Sequence) or not all(isinstance(x, str) for x in entries):
         raise InvalidInputError("columns in order", "must be a list of names", names)
     columns = tuple("" if entry.strip() == "-" else entry.strip() for entry in entries)
-    _role_positions(columns)
+    plain = [read_header(name)[0][0] for name in columns if name]
+    for name in filter(None, columns):
+        is_repeated = plain.count(read_header(name)[0][0]) > 1
+        if is_repeated or not _roles_of(name):
+            hint = f"choose of {', '.join(ROLES)}, with a unit as in force[N], or - to skip"
+            rule = f"has the {'repeated' if is_repeated else 'unknown'} name {name!r}"
+            raise InvalidInputError("columns in order", rule, name, hint, "")
     return columns
-
-
-def _role_positions(names: Sequence[str]) -> list[tuple[str, int, str]]:
-    """Role, index and unit of each column that is named by its place."""
-    positions: dict[str, tuple[int, str]] = {}
-    for index, text in enumerate(names):
-        if not text:
-            continue
-        fits = [
-            (role, unit)
-            for name, unit in read_header(text)
-            for role in sorted(ROLES, key=lambda role: role != name)
-            if name in {role, *TERMS[role]}
-            and (not unit or role == "branch" or is_unit(unit, dimension_of(role))
-                 or unit.lower() in SIGNALS or absolute_unit(unit))
-        ]  # fmt: skip
-        role, unit = fits[0] if fits else ("", "")
-        if not role or role in positions:
-            rule, hint = f"names {role} twice", "write - for the one to skip"
-            if not role:
-                rule = f"has the unknown name {text!r}"
-                hint = f"choose of {', '.join(ROLES)}, with a unit as in force[N], or - to skip"
-            raise InvalidInputError("columns in order", rule, text, hint, "")
-        positions[role] = index, unit
-    return [(role, *position) for role, position in positions.items()]
 
 
 def _index_of(table: "Table", role: str, header: str) -> int:
@@ -541,10 +525,11 @@ def _candidates(table: "Table", role: str, used: set[int], unit: str | None) -> 
 
 
 def _complete(
-    table: "Table", role: str, index: int, header: str, override: str | None, info: "Sidecar"
+    table: "Table", role: str, index: int, override: str | None, info: "Sidecar"
 ) -> Column:
     """The column with its unit (`override`, else the header's), factor and sign."""
-    where, stated = table.place(header), table.stated_unit(index)
+    header, stated = table.header[index], table.stated_unit(index)
+    where = table.place(header)
     if scale := info.scales.get(role):
         if stated.lower() not in ("", scale.unit.lower()):
             rule = f"its unit is {stated}, not {scale.unit} as in the scale: leave the scale out"
