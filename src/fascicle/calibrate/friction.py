@@ -72,7 +72,8 @@ def fit_friction(record: Record, length: float) -> Friction | None:
     levels = [level for group in groups if (level := _loop(record, group, length)) is not None]
     if not levels:
         return None
-    step = float(np.median([np.median(np.diff(np.sort(level[1:2]))) for level in levels]))
+    # readings of several files may lie at one strain
+    step = float(np.median([np.median(np.diff(np.unique(level[1]))) for level in levels]))
     loops = np.concatenate(levels, axis=1)
     # at a turn both branches are one reading
     loops = loops[:, np.minimum(loops[1], loops[2]) > step / 2]
@@ -98,7 +99,7 @@ def _loop(record: Record, level: list[Run], length: float) -> np.ndarray | None:
     half_way = averaged(replace(record.only(points[order]), branch=branch[order]), _MAX_READINGS)
     strain, all_strains = half_way.record.strain, record.strain[points]
     good = np.isfinite(half_way.width) & ~half_way.record.censored
-    if np.sum(good) < 2:
+    if np.unique(strain[good]).size < 2:
         return None
     # a turn lies at or beyond each reading, but for noise
     from_start = length * np.maximum(strain - all_strains.min(), 0.0)
