@@ -18,7 +18,6 @@ from fascicle.core.module import with_fields
 from fascicle.files.calibration_files import calibrated_text, provenance_of
 from fascicle.records import VirtualDynamometer
 from fascicle.records.record import Record, Source, join
-from fascicle.report.calibration_figures import fit_plot
 from gauge_bench import MUSCLE, TRUE, TRUTH, bench_record
 
 
@@ -194,19 +193,6 @@ def test_faults_of_channels_are_found():
         faults = channel_faults(_record(force, pressure))
         assert [(fault.kind, fault.channel) for fault in faults] == kinds
         assert all(fault.value == pytest.approx(value) for fault in faults)
-
-
-def test_curves_of_a_fit_with_gauges_have_bands(fitted):
-    # curves have other strains than the readings, and neither their times nor their loop
-    data = fit_plot(fitted)
-    new = fitted.gauge.correct(bench_record(seed=7))
-    new = new.only(new.pressure > 5e4)
-    level = np.argmin(np.abs(new.pressure - data.pressure[:, None]), axis=0)
-    inside = [
-        abs(f - np.interp(e, data.curve_strain[i], data.curve_force[i])) < data.half_width[i, 0]
-        for i, e, f in zip(level, new.strain, new.force, strict=True)
-    ]
-    assert 0.8 < np.mean(inside) < 0.98  # 90 % of readings that were not fitted, in loops
 
 
 def turning_bench(seed=0, zero=5.0, pressure_zero=2e3):

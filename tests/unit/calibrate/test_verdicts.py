@@ -205,7 +205,10 @@ def test_a_coarse_load_cell_has_no_floor():
     assert select_fit_data(coarse).clipped == 0
 
 
-@pytest.mark.parametrize(("truth", "model"), [("elastica", "kim2021"), ("kim2021", "elastica")])
+@pytest.mark.parametrize(
+    ("truth", "model"),
+    [("elastica", "kim2021"), pytest.param("kim2021", "elastica", marks=pytest.mark.slow)],
+)
 def test_another_law_past_the_free_strain_is_no_error_of_a_gauge(truth, model):
     slender = fs.example("kim2021_figure_6")
     gauge = fs.records.VirtualDynamometer(noise=0.003, samples=20)
