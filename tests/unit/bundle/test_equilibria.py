@@ -2,6 +2,7 @@
 
 import math
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -72,6 +73,6 @@ def test_arrays_of_jax_have_room_for_the_usual_number(monkeypatch):
     whole = bundle.strain_at(-1.0, [0.0])
     for module in (equilibria, bundles):
         monkeypatch.setattr(module, "usual_count", lambda units: units)
-    result = bundle.strain_at(jnp.asarray(-1.0), jnp.zeros(1))
+    result = jax.jit(bundle.strain_at)(-1.0, jnp.zeros(1))
     assert result.count == 3 and result.strain.shape == (1,)
     assert_allclose(result.strain, whole.strain[:1], rtol=0, atol=1e-12)

@@ -21,7 +21,7 @@ def test_section():
 
 
 def test_gradients_and_batches():
-    check_grads(bladder.force, (0.1,), order=2, rtol=1e-5)  # of finite differences
+    check_grads(jax.jit(bladder.force), (0.1,), order=2, rtol=1e-5)  # of finite differences
     assert bladder.force(jnp.zeros((2, 3))).shape == (2, 3)
     slopes = eqx.filter_grad(lambda b: b.force(0.2))(bladder)
     assert all(np.isfinite(leaf) for leaf in jax.tree.leaves(slopes))

@@ -46,7 +46,7 @@ def test_broadcasting():
 def test_inside_jit_vmap_and_grad():
     expected = np.asarray(table.force(P, EPS))
     assert_allclose(jax.jit(table.force)(P, EPS), expected, rtol=1e-12, atol=1e-12)
-    each = jax.vmap(jax.vmap(table.force, (None, 0)), (0, None))(P[:, 0], EPS)
+    each = jax.jit(jax.vmap(jax.vmap(table.force, (None, 0)), (0, None)))(P[:, 0], EPS)
     assert_allclose(each, expected, rtol=1e-12, atol=1e-12)
     passed = eqx.filter_jit(lambda m, P, e: m.force(P, e))(table, P, EPS)
     assert_allclose(passed, expected, rtol=1e-12, atol=1e-12)
@@ -57,9 +57,9 @@ def test_a_stack_of_muscles():
         return fs.Muscle(**SIZES | {"length": length})
 
     lengths = np.array([0.1, 0.127, 0.3])
-    forces = jax.vmap(lambda m: m.force(34.5e3, 0.1))(jax.vmap(made)(lengths))
+    forces = jax.jit(jax.vmap(lambda m: m.force(34.5e3, 0.1)))(jax.vmap(made)(lengths))
     assert_allclose(forces, [made(L).force(34.5e3, 0.1) for L in lengths], rtol=1e-12)
-    traced = jax.vmap(lambda L: made(L).force(34.5e3, 0.1))(lengths)
+    traced = jax.jit(jax.vmap(lambda L: made(L).force(34.5e3, 0.1)))(lengths)
     assert_allclose(forces, traced, rtol=1e-12)
 
 

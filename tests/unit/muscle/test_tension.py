@@ -70,7 +70,7 @@ def test_ideal_offset_has_its_limit_without_pressure():
 
 @pytest.mark.parametrize("of", [muscle, *(fs.Muscle(*SIZES, tension=law) for law in LAWS)])
 def test_free_strain_has_a_gradient_in_every_parameter(of):
-    slopes = eqx.filter_grad(lambda m: m.free_strain(1e5))(of)
+    slopes = eqx.filter_jit(eqx.filter_grad(lambda m: m.free_strain(1e5)))(of)
     assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slopes))
     step = 1e-6  # central differences of a smooth root: good to 1e-9 or so
     moved = [eqx.tree_at(lambda m: m.braid_angle, of, ANGLE + s) for s in (step, -step)]
