@@ -151,63 +151,53 @@ def _check_parts(plant: Plant) -> None:
             raise InvalidInputError(part, rule, None, f"it must be {names}", shown=kind)
 
 
-def _template_values(plant: Plant, begin: State, longest_step: float) -> dict[str, Any]:
+def _template_values(plant: Plant, begin: State, longest_step: float) -> dict[str, object]:
     """Values of the C templates for a `plant` that begins at a state [SI], by steps of at most
     `longest_step` [s].
     """
     chamber, spool, load, units = plant.chamber, plant.spool, plant.load, plant.units
-
-    def per_unit(values: Values) -> str:
-        return c_array(np.broadcast_to(np.asarray(values, float), (units,)), _number)
-
-    states = np.zeros((units, 2))
+    medium, stop = chamber.liquid if plant.liquid else chamber.gas, load.stop or Stop(-1.0, 1.0)
+    states, clocks = np.zeros((units, 2)), np.zeros(units)
     states[:, : chamber.count] = begin.chambers
-    clocks = np.zeros(units)
     clocks[: np.size(begin.spool)] = begin.spool
-    values: dict[str, Any] = {
+    rest = getattr(load, "rest", 0.0)
+    numbers = {
+        "longest_step": longest_step,
+        "dead_time": spool.dead_time,
+        "plate_length": plant.distances[0],
+        "supply_temperature": plant.supply.temperature_at(begin.supply),
+        "supply_pressure": plant.supply_pressure,
+        "position": begin.position,
+        "velocity": begin.velocity,
+        "laminar_from": LAMINAR_FROM,
+        "reference_temperature": ROOM_TEMPERATURE,
+        "damper_depth": DAMPER_DEPTH,
+        # the force of a free load is affine in its position: that at its spring's rest, the spring
+        "steady_force": load.force(rest),
+        "spring_rest": rest,
+    }
+    rows = {"spools": clocks, "pressures": begin.pressures}
+    # what other chambers, spools and loads have is in parts of the template that aren't compiled
+    for part, prefix, keys in (
+        (chamber, "", "dead_volume room_pressure room_temperature lowest_pressure"),
+        (chamber, "", "conductance compliance"),
+        (medium, "", "specific_gas_constant heat_capacity_ratio reference_density bulk_modulus"),
+        (spool, "", "overlap time_constant period opening_delay closing_delay"),
+        (load, "load_", "inertia damping stiffness mean amplitude frequency"),
+        (stop, "stop_", "low high stiffness damping"),
+    ):
+        values = {prefix + key: getattr(part, key, 0.0) for key in keys.split()}
+        (numbers if prefix else rows).update(values)
+    return {
         "chamber": _CHAMBERS[type(chamber)],
         "spool": _SPOOLS[type(spool)],
         "prescribed": int(load.prescribed),
-        "longest_step": _number(longest_step),
-        "dead_time": _number(spool.dead_time),
-        "plate_length": _number(plant.distances[0]),
-        "dead": per_unit(chamber.dead_volume),
-        "room": per_unit(chamber.room_pressure),
-        "lowest_pressure": per_unit(chamber.lowest_pressure),
-        "room_warmth": per_unit(chamber.room_temperature),
-        "supply_warmth": _number(plant.supply.temperature_at(begin.supply)),
-        "supply_pressure": _number(plant.supply_pressure),
-        "overlap": per_unit(spool.overlap),
-        "position": _number(begin.position),
-        "velocity": _number(begin.velocity),
-        "spools": per_unit(clocks),
-        "chambers": c_array(states, _number),
-        "pressures": per_unit(begin.pressures),
-        "valves": _valve_arrays(plant),
-        "laminar_from": _number(LAMINAR_FROM),
-        "reference_temperature": _number(ROOM_TEMPERATURE),
-        "damper_depth": _number(DAMPER_DEPTH),
         "has_stop": int(load.stop is not None),
+        "chambers": c_array(states, _number),
+        "valves": _valve_arrays(plant),
+        **{key: _number(value) for key, value in numbers.items()},
+        **{key: c_array(np.broadcast_to(x, units), _number) for key, x in rows.items()},
     }
-    # those of other chambers and spools are in parts of the template that aren't compiled
-    medium = chamber.liquid if plant.liquid else chamber.gas
-    media = ("specific_gas_constant", "heat_capacity_ratio")
-    media += ("reference_density", "bulk_modulus")
-    spools = ("time_constant", "period", "opening_delay", "closing_delay")
-    walls = ("conductance", "compliance")
-    for part, keys in ((medium, media), (chamber, walls), (spool, spools)):
-        values |= {key: per_unit(getattr(part, key, 0.0)) for key in keys}
-    stop = load.stop or Stop(-1.0, 1.0)
-    for key in ("low", "high", "stiffness", "damping"):
-        values[f"stop_{key}"] = _number(getattr(stop, key))
-    # the force of a free load is affine in its position: that at its spring's rest, and the spring
-    rest = getattr(load, "rest", 0.0)
-    values |= {"mass": _number(load.inertia), "damping": _number(load.damping)}
-    values |= {"steady_force": _number(load.force(rest)), "spring_rest": _number(rest)}
-    values["spring"] = _number(load.stiffness)
-    for key in ("mean", "amplitude", "frequency"):
-        values[key] = _number(getattr(load, key, 0.0))
-    return values
 
 
 def _number(value: Any) -> str:

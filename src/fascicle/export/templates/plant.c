@@ -21,11 +21,11 @@ static const double longest_step = @longest_step@; /* [s]: the stiffest part is 
 static const double dead_time = @dead_time@;       /* [s], from a command to its effect */
 static const double plate_length = @plate_length@; /* [m] */
 
-static const double dead[UNITS] = {@dead@};             /* [m3], of hoses and fittings */
-static const double room[UNITS] = {@room@};             /* [Pa], absolute */
+static const double dead[UNITS] = {@dead_volume@};             /* [m3], of hoses and fittings */
+static const double room[UNITS] = {@room_pressure@};             /* [Pa], absolute */
 static const double lowest_pressure[UNITS] = {@lowest_pressure@}; /* [Pa]: it's empty or boils */
-static const double room_warmth[UNITS] = {@room_warmth@}; /* [K] */
-static const double supply_warmth = @supply_warmth@;    /* [K] */
+static const double room_warmth[UNITS] = {@room_temperature@}; /* [K] */
+static const double supply_warmth = @supply_temperature@;    /* [K] */
 #if CHAMBER == LIQUID
 static const double density[UNITS] = {@reference_density@}, bulk[UNITS] = {@bulk_modulus@};
 static const double compliance[UNITS] = {@compliance@}; /* [m3/Pa] */
@@ -57,12 +57,12 @@ static const double closing_delay[UNITS] = {@closing_delay@}; /* [s] */
 #endif
 
 #if PRESCRIBED
-static const double mean = @mean@, amplitude = @amplitude@;      /* [m] */
-static const double pace = 2 * 3.14159265358979323846 * @frequency@; /* [rad/s] */
+static const double mean = @load_mean@, amplitude = @load_amplitude@;      /* [m] */
+static const double pace = 2 * 3.14159265358979323846 * @load_frequency@; /* [rad/s] */
 #else
-static const double mass = @mass@, damping = @damping@;           /* [kg], [N s/m] */
+static const double mass = @load_inertia@, damping = @load_damping@;           /* [kg], [N s/m] */
 static const double steady_force = @steady_force@;                /* [N] */
-static const double spring = @spring@, spring_rest = @spring_rest@; /* [N/m], [m] */
+static const double spring = @load_stiffness@, spring_rest = @spring_rest@; /* [N/m], [m] */
 static const int has_stop = @has_stop@;
 static const double stop_low = @stop_low@, stop_high = @stop_high@;             /* [m] */
 static const double stop_stiffness = @stop_stiffness@, stop_damping = @stop_damping@;
