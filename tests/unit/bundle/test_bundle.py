@@ -31,7 +31,7 @@ def test_force_is_the_sum_over_its_muscles():
 @pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
 def test_pressures_and_strain_broadcast(shape):
     P = jnp.broadcast_to(jnp.array([FULL, 50e3]), (*shape, 2))
-    force = pair.force(P, 0.1)
+    force = jax.jit(pair.force)(P, 0.1)
     assert force.shape == shape and force.dtype == jnp.float64
     assert_allclose(force, pair.force([FULL, 50e3], 0.1), rtol=1e-14)
 
@@ -59,7 +59,7 @@ def test_strains_without_a_load_are_the_equilibria():
 
 def test_strain_under_a_load_differentiates_by_load_and_pressure():
     P, F, step = np.array([FULL, 69e3]), 20.0, 1e-3
-    by_load = jax.grad(lambda F: pair.strain_at(F, P).strain[0])(F)
+    by_load = jax.jit(jax.grad(lambda F: pair.strain_at(F, P).strain[0]))(F)
     differences = np.diff(pair.strain_at(np.array([F - step, F + step]), P).strain[:, 0])
     assert_allclose(by_load, differences[0] / (2 * step), rtol=1e-6)  # a third derivative's share
 

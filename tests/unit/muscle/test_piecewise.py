@@ -52,7 +52,7 @@ def test_kinks_are_where_the_slope_jumps(laws):
     assert free <= onset < collapse
     # `elastica` goes on along T at its free strain
     places = jnp.asarray(np.add.outer([-1e-9, 0.0, 1e-9], [onset, collapse]).ravel())
-    slope = jax.vmap(jax.grad(lambda e: muscle.force(P, e)))
+    slope = jax.jit(jax.vmap(jax.grad(lambda e: muscle.force(P, e))))
     below, at, above = np.reshape(slope(places), (3, 2))
     assert np.all(np.abs(above - below) > 1)  # newtons per unit strain
     # one-sided derivatives hold at the kinks themselves, from below
