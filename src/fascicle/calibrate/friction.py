@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..muscle.hysteresis import MaxwellSlip
-from ..records.hysteresis import averaged, group_by_level
+from ..records.hysteresis import averaged, group_by_level, split_by_file
 from ..records.record import DOWN, UP, Record
 from ..records.segmentation import Run, runs
 
@@ -69,7 +69,12 @@ def fit_friction(record: Record, length: float) -> Friction | None:
     [m]. `None` without a pressure that was measured on both branches.
     """
     groups = group_by_level(record, [run for run in runs(record) if run.kind == "pressure"])
-    levels = [level for group in groups if (level := _loop(record, group, length)) is not None]
+    levels_of = [
+        [loop for part in split_by_file(record, group)
+         if (loop := _loop(record, part, length)) is not None]
+        for group in groups
+    ]  # fmt: skip
+    levels, pressures = [level for part in levels_of for level in part], sum(map(bool, levels_of))
     if not levels:
         return None
     # readings of several files may lie at one strain
@@ -81,8 +86,8 @@ def fit_friction(record: Record, length: float) -> Friction | None:
     if n == 0:
         return None
     if np.mean(width) <= _CLEAR * np.std(width) / np.sqrt(n):
-        return Friction(None, width, 0.0 * width, np.zeros(0), (), len(levels))
-    fits = [_fit_springs(loops, step, len(levels), k) for k in range(1, _MAX_SPRINGS + 1)]
+        return Friction(None, width, 0.0 * width, np.zeros(0), (), pressures)
+    fits = [_fit_springs(loops, step, pressures, k) for k in range(1, _MAX_SPRINGS + 1)]
     errors = np.maximum([fit.rmse for fit in fits], _MIN_ERROR * float(np.mean(width)))
     # two numbers for each spring: its share and its distance
     costs = 2 * n * np.log(errors) + 2 * np.arange(len(fits)) * np.log(n)

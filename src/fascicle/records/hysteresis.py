@@ -79,14 +79,8 @@ def averaged(record: Record, points: int = 50) -> Averaged:
         rule = "has no runs at constant pressure or length to average"
         raise InvalidInputError("record", rule, None)
     pieces, widths, isometric, loops = [], [], list[bool](), 0
-    # a loop begins and ends in one file: another one may have other zeros
-    files = np.zeros(len(record), int) if record.file is None else record.file
-    levels = [
-        [run for run in level if files[run.points[0]] == file]
-        for level in group_by_level(record, segments)
-        for file in dict.fromkeys(files[run.points[0]] for run in level)
-    ]
-    for level in levels:
+    levels = group_by_level(record, segments)
+    for level in (part for group in levels for part in split_by_file(record, group)):
         branches = {side: [run for run in level if run.branch == side] for side in (UP, DOWN)}
         loop = _half_way(record, branches, points) if all(branches.values()) else None
         loops += loop is not None
@@ -143,6 +137,17 @@ def group_by_level(record: Record, segments: Sequence[Run]) -> list[list[Run]]:
         else:
             levels.append([run])
     return levels
+
+
+def split_by_file(record: Record, level: Sequence[Run]) -> list[list[Run]]:
+    """Runs of a level by file: a loop begins and ends in one, another may have other zeros."""
+    if record.file is None:
+        return [list(level)]
+    files = [int(record.file[run.points[0]]) for run in level]
+    return [
+        [run for run, index in zip(level, files, strict=True) if index == file]
+        for file in dict.fromkeys(files)
+    ]
 
 
 def _half_way(
