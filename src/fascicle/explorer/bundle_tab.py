@@ -14,7 +14,7 @@ from ..bundle.energetics import PATHS
 from ..bundle.inverse import ABOVE
 from ..bundle.schemes import SCHEMES
 from ..core.errors import InvalidInputError
-from ..core.validation import check_interval
+from ..core.validation import HIGHEST_PRESSURE
 from ..plot.curves import split_at_reversal
 from ..plot.resistance_loss import efficiency_maps
 from ..plot.theme import BLACK, WHITE, Colors, mix, to_bytes
@@ -289,6 +289,7 @@ class BundleView(StrainTab):
 
     def _set_supply(self, value: float) -> None:
         """Set the supply pressure [Pa], and lower others to it."""
+        ui.check_limit(value, HIGHEST_PRESSURE, "supply", "pressure", self.unit("pressure")[0])
         check_value("supply", value)
         view = self.session.view
         pressures = tuple(min(P, value) for P in view.pressures)
@@ -375,7 +376,7 @@ class BundleView(StrainTab):
         self.session.change(strain=round(float(np.clip(x, 0.0, self.top)), 4), load=load)
 
     def _set_load_strain(self, value: float) -> None:
-        check_interval(value, 0.0, self.top, "strain", "-", closed=(True, True))
+        ui.check_limit(value, self.top, "strain", "strain", "")
         self.session.change(strain=value)
 
     def _set_load(self, value: float | None) -> None:

@@ -188,6 +188,7 @@ class MuscleView(StrainTab):
 
     def draw(self, view: View) -> None:
         self.top = strain_limit(view.muscle, view.supply)
+        self.show_strain(view)
         self.inputs.show(view)
         curves = self._compute_curves(view)
         self._show_family(view)
@@ -197,6 +198,8 @@ class MuscleView(StrainTab):
         self.notes.object = remarks_html(view, "muscle") + note
 
     def follow(self, before: View, after: View) -> None:
+        if changed(before, after, "strain"):
+            self.show_strain(after)
         if changed(before, after, "pressure", "strain"):
             curves = self._compute_curves(after)
             if changed(before, after, "pressure"):
@@ -287,7 +290,6 @@ class MuscleView(StrainTab):
 
     def _show_point(self, view: View, curves: MuscleCurves) -> None:
         strain = min(view.strain, self.top)
-        self.show_strain(view)
         unit, scale = self.unit("force")
         pressure = ui.format_quantity(view.pressure, self.unit("pressure")[0], "pressure", 4)
         force, region = f"{curves.point_force / scale:.4g} {unit}", REGIONS[curves.region]

@@ -30,7 +30,7 @@ from .widgets import Message, QuantitySlider, button, pane, status_line, unit_fa
 
 _MOST_JOBS = 2  # at once, in threads and in processes; others wait
 _WORKERS = ThreadPoolExecutor(_MOST_JOBS, thread_name_prefix="fascicle")
-WAITING = ThreadPoolExecutor(_MOST_JOBS, thread_name_prefix="fascicle-job")  # for processes
+WAITING = ThreadPoolExecutor(_MOST_JOBS, thread_name_prefix="fascicle-job")  # of minutes
 _RUNNING: set["Future[Any]"] = set()
 _WAIT = 0.5  # s between two looks at a tab that isn't open
 Outcome = tuple[Any, ValueError | None]  # of a computation: result, and error

@@ -140,6 +140,14 @@ def parse_field(text: str, dimension: str, unit: str, name: str) -> float:
     return parse(text, dimension, name)
 
 
+def check_limit(value: float, top: float, name: str, dimension: str, unit: str) -> None:
+    """Raise `InvalidInputError` in the shown `unit` for a `value` [SI] outside of [0, `top`]."""
+    if not 0 <= value <= top * (1 + 1e-6):  # typed with six digits, it may round up
+        rule = f"must lie in [0, {top / unit_factor(unit, dimension):.6g}] {unit or '-'}"
+        text = format_quantity(value, unit, dimension)
+        raise InvalidInputError(name, rule, value, shown=text)
+
+
 def page_message(error: ValueError | str, **labels: str) -> str:
     """A message of the library in one line, with the page's label for its argument."""
     line = str(error)
@@ -277,7 +285,8 @@ class Field:
 
     def show(self, value: float | str | None, unit: str) -> None:
         """Show a `value` [SI] in a `unit`, a text, or nothing."""
-        self.show_error("")
+        if self.message.pane.visible:  # a slider shows a value at each step
+            self.show_error("")
         self._show_value(value, unit)
 
     def _show_value(self, value: float | str | None, unit: str) -> None:
@@ -353,11 +362,7 @@ class QuantitySlider:
             self.field.show_error(error)
 
     def _on_field(self, value: float) -> None:
-        if not 0 <= value <= self._top * (1 + 1e-6):  # typed with six digits, it may round up
-            top = self._top / unit_factor(self._unit, self._dimension)
-            rule = f"must lie in [0, {top:.6g}] {self._unit or '-'}"
-            text = format_quantity(value, self._unit, self._dimension)
-            raise InvalidInputError(self.field.name, rule, value, shown=text)
+        check_limit(value, self._top, self.field.name, self._dimension, self._unit)
         self._set(min(value, self._top))
 
 
