@@ -243,8 +243,7 @@ def _findings(result: SearchResult, summary: Summary, run: CycleRun | None) -> l
         if costs and result.judged <= len(reaches):
             ends = {"least": float(values.min()), "most": float(values.max())}
             add("limit_costs", note, objective=name, costs=costs, reaching=len(values), **ends)
-    for name, reason in result.catalog.excluded(result.space.drawings, result.task).items():
-        add("product_excluded", note, product=name, reason=reason)
+    findings += result.catalog.excluded(result.space.drawings, result.task).values()
     if result.best is None:
         return findings
     margin = summary.relative_margin

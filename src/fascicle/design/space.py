@@ -26,10 +26,10 @@ import numpy as np
 
 from ..core import validation
 from ..core.errors import InvalidInputError
-from ..core.findings import Finding
+from ..core.findings import Finding, Severity
 from ..core.module import to_numpy
 from ..core.types import Float, Int
-from ..core.validation import RANGES, check_choice, check_interval, distinct_texts
+from ..core.validation import RANGES, check_choice, check_interval
 from ..muscle import Muscle
 from .designs import Designs, packed_radius, pad_rows, scaled_designs
 from .task import Task
@@ -290,17 +290,16 @@ class Product(NamedTuple):
     largest_strain: float | None = None
     source: str = ""
 
-    def exclusion_reason(self, task: Task, length: float) -> str:
-        """Reason why this product, of a `length` [m], isn't allowed for a `task`; "" if it is."""
-        strain = float(task.strain_of(length).max())
-        for demand, given, limit, scale, unit in (
-            ("supply has", task.supply_pressure, self.largest_pressure, 1e-3, "kPa"),
-            ("task demands a contraction of", strain, self.largest_strain, 100.0, "%"),
+    def exclusion(self, name: str, task: Task, length: float) -> Finding | None:
+        """Finding on a `task` beyond what the maker allows; `length`: of the drawing `name` [m]."""
+        for quantity, value, largest in (
+            ("pressure", task.supply_pressure, self.largest_pressure),
+            ("strain", float(task.strain_of(length).max()), self.largest_strain),
         ):
-            if limit is not None and given > limit * (1 + _ROUNDING):
-                shown, most = distinct_texts(scale * given, scale * limit)
-                return f"the {demand} {shown} {unit}, its maker allows {most} {unit}"
-        return ""
+            if largest is not None and value > largest * (1 + _ROUNDING):
+                data = {"product": name, "quantity": quantity, "value": value, "largest": largest}
+                return Finding("design.product_excluded", Severity.NOTE, data)
+        return None
 
 
 @dataclass(frozen=True)
@@ -331,13 +330,13 @@ class Catalog:
         """Price of one muscle of each of the `designs` [-]; NaN if unknown."""
         return np.array([self._price_of_one(name) for name in designs.drawings])[designs.kind]
 
-    def excluded(self, drawings: Mapping[str, Muscle], task: Task) -> dict[str, str]:
-        """Reasons why products must not be used for a `task`, by the names of their `drawings`."""
-        reasons = {
-            name: product.exclusion_reason(task, float(drawings[name].length))
+    def excluded(self, drawings: Mapping[str, Muscle], task: Task) -> dict[str, Finding]:
+        """Findings on products that must not be used for a `task`, by names of their `drawings`."""
+        findings = (
+            (name, product.exclusion(name, task, float(drawings[name].length)))
             for name, product in self.products.items()
-        }
-        return {name: reason for name, reason in reasons.items() if reason}
+        )
+        return {name: finding for name, finding in findings if finding is not None}
 
     def is_priced(self, drawings: Mapping[str, Muscle]) -> bool:
         """True if the prices of a valve and of the muscles of all `drawings` are known."""

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from ..core.findings import Finding, Severity
+from ..core.validation import distinct_texts
 from ..records.headers import dimension_of
 from ..records.record import Record
 from ..units import DIMENSIONS, pretty
@@ -19,6 +20,20 @@ _SWINGS = (
     " {lateness:.4g} s late, and pressures will swing; "
 )
 _EVENT = "{code} from {first:.4g} s to {last:.4g} s: "
+
+
+def _excluded(data: Mapping[str, Any]) -> str:
+    """Why a product must not be used."""
+    demand, scale, unit = "supply has", 1e-3, "kPa"
+    if data["quantity"] == "strain":
+        demand, scale, unit = "task demands a contraction of", 100.0, "%"
+    value, largest = distinct_texts(scale * data["value"], scale * data["largest"])
+    return (
+        f"{data['product']} must not be used: the {demand} {value} {unit}, its maker allows"
+        f" {largest} {unit}"
+    )
+
+
 Part = str | Callable[[Mapping[str, Any]], str]  # a format, or a function of a finding's data
 _CATALOGUE: dict[str, Part] = {
     "run.unbalanced": "the {balance} doesn't close: its residual is {residual:.1e} of its largest"
@@ -46,7 +61,7 @@ _CATALOGUE: dict[str, Part] = {
     " it was measured up to {measured:strain}",
     "muscle.length_extrapolated": "{muscle}: a length of {value:length} is an extrapolation, it was"
     " fitted at {measured:length}",
-    "design.product_excluded": "{product} must not be used: {reason}",
+    "design.product_excluded": _excluded,
     "design.judged_in_part": "only {judged} designs were judged in draws",
     "product.length_unavailable": "{product} isn't made {lengths:lengths} long, but from"
     " {shortest:length} to {longest:longest}",

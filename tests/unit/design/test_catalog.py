@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fascicle.design import Catalog, Product, Space, Task, search
+from fascicle.report.words import words
 
 
 TASK = Task.of([40.0, 150.0], [0.2, 0.1], 413.7e3)
@@ -77,8 +78,7 @@ def test_excluded_products(space):
 
 
 def test_a_limit_is_not_rounded_to_what_exceeds_it():
-    reason = Product("s", largest_pressure=600e3).exclusion_reason(
-        Task.of([40.0], [0.1], 600_000.01), 0.1
-    )
-    given, allowed = re.findall(r"([\d.]+) kPa", reason)
+    task = Task.of([40.0], [0.1], 600_000.01)
+    finding = Product("s", largest_pressure=600e3).exclusion("s", task, 0.1)
+    given, allowed = re.findall(r"([\d.]+) kPa", words(finding))
     assert float(given) > float(allowed) == 600
