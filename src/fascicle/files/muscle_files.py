@@ -109,15 +109,6 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
     return text if calibration is None else f"{text}\n{calibration_text(calibration)}"
 
 
-def _inline_table(values: Mapping[str, Any]) -> Any:
-    """A table of a file on one line."""
-    import tomlkit
-
-    table = tomlkit.inline_table()
-    table.update(values)
-    return table
-
-
 def calibration_text(calibration: Mapping[str, Any]) -> str:
     """TOML of a `[calibration]`, with its tables last; see `dumps` for its contents."""
     import tomlkit
@@ -347,8 +338,7 @@ def _tuning_entries(tuning: Tuning) -> dict[str, Any]:
     for key, dimension, default in _TUNING:
         value = getattr(tuning, key)
         if key == "hinge_stiffness_factor" and slope:
-            hinge = {"constant": float(value), "slope": exact(slope, "inverse_pressure")}
-            entries[key] = _inline_table(hinge)
+            entries[key] = {"constant": float(value), "slope": exact(slope, "inverse_pressure")}
         elif value is not None and _scalar(value, key) != default:
             entries[key] = _entry(value, dimension, key)
     return entries
