@@ -176,7 +176,7 @@ def test_a_tank_loses_pressure(single):
     assert_allclose(drawn - vented, held, rtol=0, atol=0.02 * drawn)
 
 
-@pytest.mark.parametrize("fluid_name", ["air", "oil"])
+@pytest.mark.parametrize("fluid_name", [pytest.param("air", marks=pytest.mark.slow), "oil"])
 def test_a_run_in_which_nothing_moves_closes(single, fluid_name):
     """All terms are roundings of the fluid's 3 J; a ten-billionth of them is more than that."""
     load, valve = dynamics.InertiaSpringDamper(2.0, 3e3), fluid.SonicValve(1e-9, 0.3)
