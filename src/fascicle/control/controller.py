@@ -137,7 +137,7 @@ class Cascade(Module):
 
     @property
     def margins(self) -> LoopMargins:
-        """Gain margin [-] and phase margin [rad] of its pressure loops, (K8)."""
+        """Margins of its pressure loops, (K8): of gain, a factor [-], and of phase [rad]."""
         return loop_margins(self.gains.pressure_time, valve_lag(self.plant), self._total_delay)
 
     def loop_response(self, frequency: Values) -> np.ndarray:
@@ -353,6 +353,10 @@ def cascade(
     check_choice(of, OF, "of")
     if of == "position" and isinstance(plant.load, PrescribedMotion):
         raise InvalidInputError("of", "must be force where the motion is given", of)
+    if of == "position" and gains.position == 0:
+        rule = "must be positive: without it the position isn't controlled"
+        remedy = "begin with the stiffness of your load and muscles"
+        raise InvalidInputError("position_gain", rule, 0.0, remedy)
     for name, value in gains._asdict().items():
         if name not in ("pressure_time", "observer_time"):
             check_nonnegative(value, f"{name} gain", "SI")

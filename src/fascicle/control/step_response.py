@@ -236,9 +236,9 @@ def _fit(
 
 
 def loop_margins(pressure_time: Values, lag: Values, delay: Values) -> LoopMargins:
-    """Gain margin [-], inf without a delay, and phase margin [rad] of a pressure loop, (K8), with
-    the time constant $\\tau$ `pressure_time` [s], the valve's `lag` [s], and the `delay` [s] of
-    measurement and samples together; `InvalidInputError` for times below zero.
+    """Gain margin, a factor [-], inf without a delay, and phase margin [rad] of a pressure loop,
+    (K8), with the time constant $\\tau$ `pressure_time` [s], the valve's `lag` [s], and the `delay`
+    [s] of measurement and samples together; `InvalidInputError` for times below zero.
     """
     tau = float(check_positive(pressure_time, "pressure_time", "s"))
     tau_v = float(check_nonnegative(lag, "lag", "s"))

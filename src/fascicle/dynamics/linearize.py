@@ -117,16 +117,17 @@ def linearize(
     (A, B), (C, D) = (map(np.asarray, pair) for pair in slopes)
     states = _state_units(plant)
     # a supply's sums of energy, and its switch, act on nothing
-    acts = np.array([not name.startswith("supply") for name in states], bool)
+    acts = np.arange(len(states)) < len(states) - len(plant.supply.names)
     acts |= np.any(A != 0, axis=0) | np.any(C != 0, axis=0)
     names = {name: unit for (name, unit), i in zip(states.items(), acts, strict=True) if i}
     unit = plant.load.unit
     input_units = _units(plant, inputs, {"force": "N" if unit == "m" else "N·m"})
     output_units = _units(plant, outputs, {"position": unit, "velocity": f"{unit}/s"})
     matrices = A[np.ix_(acts, acts)], B[acts], C[:, acts], D
-    late = [plant.spool.dead_time if name.startswith("command") else 0.0 for name in input_units]
+    dead_times = {"command": np.full(plant.units, plant.spool.dead_time), "force": np.zeros(1)}
+    delays = np.concatenate([dead_times[name] for name in inputs])
     rates = np.asarray(rate)[acts]
-    return LinearModel(*matrices, names, input_units, output_units, rates, np.array(late))
+    return LinearModel(*matrices, names, input_units, output_units, rates, delays)
 
 
 def _rates_and_outputs(

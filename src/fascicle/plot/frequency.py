@@ -49,9 +49,7 @@ def bode(plant: "Plant", state: "State", controller: Any = None) -> Figure:
         margins = controller.margins
         gain.set_ylabel("Gain [–]")
         degrees = np.degrees(margins.phase)
-        titles.append(
-            f"pressure loop, margins\n{margins.gain:.3g} in gain, {degrees:.0f}° in phase"
-        )
+        titles.append(f"pressure loop, margins:\ngain × {margins.gain:.3g}, phase {degrees:.0f}°")
     theme.letters(axes[0], titles)
     for ax in axes[1]:
         ax.set_xlabel("Frequency [Hz]")

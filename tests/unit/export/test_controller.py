@@ -217,7 +217,7 @@ def test_unsupported_controllers_are_refused():
     plant = make_plant()
     for cascade, options, argument in (
         (control.cascade(plant, "batch"), {}, "controller"),
-        (control.cascade(plant, "orderly", of="position"), {}, "controller"),
+        (control.cascade(plant, "orderly", "position", control.Gains(1e3)), {}, "controller"),
         (control.cascade(plant, "orderly"), {"precision": "half"}, "precision"),
     ):
         with pytest.raises(fs.InvalidInputError) as error:

@@ -2,9 +2,11 @@
 
 import jax
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 
 from fascicle.files import example_text, loads_scenario
+from fascicle.table_model import FileError
 
 
 RAMP = example_text("ramp_hand_over")
@@ -30,6 +32,12 @@ def test_control_keys_reach_the_controller():
     assert raised.controller.of == "position"
     assert_allclose([gains.position, gains.integral, gains.velocity], [4e3, 8e3, 100.0])
     assert_allclose(raised.reference[[0, -1]], [11e-3, 21e-3 - 10e-3 / 4000], rtol=1e-9)
+
+
+def test_a_position_without_a_gain_is_refused():
+    with pytest.raises(FileError) as error:
+        loads_scenario(POSITION.replace(GAINS, ""))
+    assert error.value.argument == "control.position_gain"
 
 
 def test_shipped_controlled_scenarios_are_complete():
