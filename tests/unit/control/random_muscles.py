@@ -25,12 +25,13 @@ NOMINAL = fs.example("kim2021_figure_6").replace(material=fs.materials.SILICONE_
 
 class Result(NamedTuple):
     """Of each truth: dip over D [-], the `least` that any controller could have from there, at
-    rest, and air [kg].
+    rest, air [kg], and the air of one `filling` of its first unit [kg].
     """
 
     dip: np.ndarray
     least: np.ndarray
     air: np.ndarray
+    filling: np.ndarray
 
 
 def draw_muscle(generator: np.random.Generator) -> fs.Muscle:
@@ -125,8 +126,10 @@ def study(
     state = control.transition(model.bundles[0], strain)
     first, depth = float(state.largest_force), float(state.dip)
     demand = make_demand(shape, duration, first)
+    P = np.array([[0.0], [SUPPLY]])
     starts = [start_at(plant, demand[0], strain) for plant in plants]
     truth = [control.transition(plant.bundles[0], strain) for plant in plants]
+    filling = [float(np.ptp(plant.chambers_at(P, strain * LENGTH)[:, 0, 0])) for plant in plants]
     least = [max(float(t.dip - t.largest_force) + demand[0], 0.0) / depth for t in truth]
 
     def dip_and_air(plant: dynamics.Plant, start: Any, controller: Any) -> tuple[float, float]:
@@ -144,5 +147,5 @@ def study(
         controller = control.cascade(model, policy, delay=declared_delay)
         runs = [dip_and_air(*pair, controller) for pair in zip(plants, starts, strict=True)]
         dip, air = np.array(runs).T
-        results[policy] = Result(dip, np.array(least), air)
+        results[policy] = Result(dip, np.array(least), air, np.array(filling))
     return results

@@ -17,7 +17,8 @@ def test_random_muscles_are_handed_over_with_small_dips(count, lag, largest):
     assert can_cross.sum() >= 9
     assert np.quantile(handed.dip[can_cross], 0.9) <= largest
     assert np.median(plain.dip) > 0.8 and np.all(handed.dip <= plain.dip + 0.05)
-    assert np.all(handed.air <= 1.15 * plain.air)
+    # on its way the first unit may be filled, vented and filled again, which `threshold` doesn't
+    assert np.all(handed.air <= plain.air + handed.filling)
 
 
 @pytest.mark.parametrize(
