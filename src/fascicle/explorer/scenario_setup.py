@@ -3,6 +3,7 @@
 The file's text is edited: comments and other keys stay. Nothing here imports the simulator.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,11 +13,11 @@ import tomlkit
 
 from ..bundle import Bundle
 from ..core.errors import InvalidInputError
-from ..core.validation import HIGHEST_PRESSURE, check_choice, check_interval, check_positive
+from ..core.validation import HIGHEST_PRESSURE, check_choice
 from ..files import dumps, example, example_text, named_muscles, scenarios
 from ..files.muscle_files import from_dict, parse_file
 from ..muscle import Muscle
-from ..units import exact, parse
+from ..units import exact, parse, pretty
 from .texts import TEXTS
 
 
@@ -101,11 +102,12 @@ class Setup:
         """
         fields = {field.path: field for field in self.file_fields}
         field = fields[check_choice(path, fields, "set")]
-        if field.dimension == "pressure":
-            limits = (0.0, HIGHEST_PRESSURE, field.name, "Pa", "(gauge)", (False, True))
-            check_interval(value, *limits)
-        elif field.dimension != "length":  # a contraction may be negative
-            check_positive(value, field.name, "")
+        is_pressure = field.dimension == "pressure"
+        top = HIGHEST_PRESSURE if is_pressure else math.inf
+        if field.dimension != "length" and not 0 < value <= top:  # a contraction may be negative
+            limit = f" and at most {pretty(top, 'pressure')}" if is_pressure else ""
+            shown = pretty(value, field.dimension)
+            raise InvalidInputError(field.name, f"must be positive{limit}", value, shown=shown)
         values = {**dict(self.values), path: value}
         changed = tuple((key, x) for key, x in values.items() if x != fields[key].value)
         return replace(self, values=changed)

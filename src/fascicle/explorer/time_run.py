@@ -59,11 +59,23 @@ class Drawing(NamedTuple):
     extent: tuple[float, float, float, float]
 
 
+class Measures(NamedTuple):
+    """How well a policy follows its demand: `drawdown`, `dip` and `rms` error [N] of a force, or
+    [m] of a position, and the `energy` from the supply [J].
+    """
+
+    drawdown: float
+    dip: float
+    rms: float
+    energy: float
+
+
 class PolicyResult(NamedTuple):
     """A run by a `policy`, "" for a schedule.
 
     `table` of all steps, and `pull` of all muscles on the load at each [SI]; `rows`: indices of the
-    samples; `drawing` at them; `figure`: as of the command; `doubts`: reasons not to trust the run.
+    samples; `drawing` at them; `figure`: as of the command; `doubts`: reasons not to trust the run;
+    `measures`: none of a schedule.
     """
 
     policy: str
@@ -73,26 +85,23 @@ class PolicyResult(NamedTuple):
     drawing: Drawing
     figure: Figure
     doubts: list[str]
+    measures: Measures | None
 
 
 class SimulationResult(NamedTuple):
     """Runs of a scenario under several policies.
 
-    `quantity` controlled: "force", "position" or "" for a schedule; `heads` and `policy_rows` of
-    the table of policies, as `fascicle simulate --compare` prints it; `notes` on both.
+    `quantity` controlled: "force", "position" or "" for a schedule; `notes` on the runs.
     """
 
     name: str
     quantity: str
     runs: list[PolicyResult]
-    heads: list[str]
-    policy_rows: list[list[str]]
     notes: list[str]
 
 
 def run_policies(text: str, name: str, policies: Sequence[str]) -> SimulationResult:
     """Run the scenario of a `text` under each of the `policies`, or its own if there are none."""
-    from ..control import pareto_front
     from ..dynamics import audit
     from ..report import simulation as reports
     from ..report.words import notes as findings_notes
@@ -103,7 +112,7 @@ def run_policies(text: str, name: str, policies: Sequence[str]) -> SimulationRes
     results, runs = [], {}
     for policy in policies or [""]:
         variant = study.with_policy(policy) if policy else study
-        run, control, label, demand = variant.run(), variant.control, "", None
+        run, control, label, demand, measures = variant.run(), variant.control, "", None, None
         audited = audit(variant.plant, run)
         rows = sample_rows(len(run.time))
         if control is not None:
@@ -111,6 +120,8 @@ def run_policies(text: str, name: str, policies: Sequence[str]) -> SimulationRes
             if policy and policy != label:  # that of fewer units, say
                 label = f"{policy} ({label})"
             runs[label] = reports.policy_run(variant, run, audited.doubts)
+            metrics = runs[label].metrics
+            measures = Measures(metrics.drawdown, metrics.dip, metrics.rms, metrics.supply_energy)
             if control.controller.of == "position":
                 demand = np.append(control.reference, control.reference[-1])[rows]
         controlled = (None, None) if control is None else control[:2]
@@ -121,15 +132,12 @@ def run_policies(text: str, name: str, policies: Sequence[str]) -> SimulationRes
         drawing = bundle_drawing(variant.plant, run.outputs, rows, demand)
         doubts = [words(finding) for finding in audited.doubts]
         figure = traces(variant.plant, run, runs[label].tracking if label else None)
-        results.append(PolicyResult(label, table, pull, rows, drawing, figure, doubts))
+        results.append(PolicyResult(label, table, pull, rows, drawing, figure, doubts, measures))
         notes += findings_notes(variant.findings)
-    quantity, heads, table_rows = "", [], []
     if study.control is not None:
-        quantity, metrics = study.control.controller.of, [run.metrics for run in runs.values()]
-        front = pareto_front([x.drawdown for x in metrics], [x.supply_energy for x in metrics])
-        heads, table_rows = reports.policy_cells(study.plant, quantity, runs, front.tolist())
         notes += reports.policy_notes(study, runs)
-    return SimulationResult(name, quantity, results, heads, table_rows, [*dict.fromkeys(notes)])
+    quantity = "" if study.control is None else study.control.controller.of
+    return SimulationResult(name, quantity, results, [*dict.fromkeys(notes)])
 
 
 def _read_limited_scenario(text: str, name: str) -> tuple["Scenario", list[str]]:

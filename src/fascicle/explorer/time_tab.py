@@ -53,8 +53,6 @@ _ENERGIES = {
 }
 _NARROW = 44.0  # mm of the drawing that a unit's labels take
 _OPEN = 1e-3  # of a valve, from which on it counts as open
-# of the table of policies
-_COLUMNS = ("policy", "drawdown", "drawdown/D", "rms error", "energy")  # heads, without units
 _TABLE_CSS = (  # five columns on a phone
     ".scroll { overflow-x: auto; } table { font-size: 12.5px; } th, td { padding-right: 9px; }"
 )
@@ -310,16 +308,24 @@ class TimeView(Tab):
             values = np.concatenate(ys)
             least = 0.0 if np.nanmin(values) < np.nanmax(values) else 1.0  # of a level curve
             chart.set_ranges((0.0, time[-1]), padded_range(values, 0.06, least))
-        self._table.object = ""
-        if result.policy_rows:
-            names = [head.split(" [")[0] for head in result.heads]
-            shown = [i for i, name in enumerate(names) if name in _COLUMNS]
-            heads = [result.heads[i].removesuffix(" [-]") for i in shown]
-            cells = [[html.escape(texts[i]) for i in shown] for texts in result.policy_rows]
-            measure = _TEXTS["drawdown"] + (_TEXTS["dip"] if "drawdown/D" in names else "")
-            note = f'<p class="small note">{measure}</p>'
-            self._table.object = ui.html_table(heads, cells) + note
+        self._table.object = self._policy_table(result) if result.quantity else ""
         self._show_frames()
+
+    def _policy_table(self, result: time_run.SimulationResult) -> str:
+        """Table of the policies of a `result` in HTML."""
+        is_force = result.quantity == "force"
+        unit, scale = self.unit("force" if is_force else "length")
+        heads = ["policy", f"drawdown [{unit}]", f"rms error [{unit}]", "energy [J]"]
+        rows = [
+            [html.escape(run.policy), f"{m.drawdown / scale:.4g}", f"{m.rms / scale:.4g}"]
+            + [f"{m.energy:.4g}"]
+            + [f"{m.drawdown / m.dip:.3f}" if m.dip else "–"] * is_force
+            for run in result.runs
+            if (m := run.measures) is not None
+        ]
+        note = _TEXTS["drawdown"] + _TEXTS["dip"] * is_force
+        table = ui.html_table(heads + ["drawdown/D"] * is_force, rows)
+        return f'{table}<p class="small note">{note}</p>'
 
     def _show_notes(self, result: time_run.SimulationResult) -> None:
         view = self.session.view
