@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ..report.calibration import CalibrationResult
 
 _DOUBTS = 3  # in a line that is still read
+_LINES = 10  # of a verdict with the constants: more are not read
 _TUNING = "tuning"  # among names to fit: the paper's method
 DATA = argument(
     "DATA",
@@ -411,9 +412,14 @@ def _print_calibration(result: "CalibrationResult") -> None:
     note = ", with 90 % intervals (linear approximation):" if rows else f"{note}."
     for line in (*first, f"Constants{chosen}{note}"):
         print_line(line)
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for name, value, interval in rows:
+    # with the heading of the constants, and the line on the files that were written
+    room = max(_LINES - len(first) - len(last) - 2, 1)
+    count = len(rows) if len(rows) <= room else room - 1
+    widths = [max((len(row[i]) for row in rows[:count]), default=0) for i in range(2)]
+    for name, value, interval in rows[:count]:
         print(escape_invisible(f"  {name:<{widths[0]}}  {value:>{widths[1]}}  {interval}"))
+    if further := [f"{name} {value} ({interval})" for name, value, interval in rows[count:]]:
+        print_line(f"{'also ' if count else ''}{', '.join(further)}")
     for line in last:
         print_line(line)
 
