@@ -146,7 +146,9 @@ def _judge(
     if file.uncertainty is not None:
         update("judging designs in draws of scatter")
         result = fs.design.judge_safety(result, file.uncertainty)
-    update("looking at the recommended design")
+    # each change is judged in draws, too, for up to a minute or two
+    recommended = "looking at the recommended design"
+    update("looking for changes to the nearest design" if result.best is None else recommended)
     return fs.design.answer_search(replace(result, cycle=file.cycle))
 
 

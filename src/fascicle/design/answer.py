@@ -19,9 +19,9 @@ from ..muscle.validation import LENGTH_TOLERANCE
 from .cycle import CycleRun, run_cycle
 from .designs import Designs
 from .evaluation import evaluate
-from .exhaustive_search import SearchResult
+from .exhaustive_search import SearchResult, staged_probabilities
 from .objectives import SHARES, Limit, Limits, other_limits, reaches_task, within_limits
-from .scatter import Uncertainty, spread
+from .scatter import Spread, Uncertainty, spread
 from .space import Product
 from .summary import Splits, Summary, best_splits, summarize
 from .task import Task
@@ -121,8 +121,12 @@ def _smallest_change(
         as_drawn = bool(within_limits(evaluate(*changed, limits), limits)[0])
         if not as_drawn or uncertainty is None:
             return as_drawn
-        scatter, muscles, draws = uncertainty.scatter, uncertainty.muscles, uncertainty.draws
-        probability = spread(*changed, (), limits, scatter, muscles, draws).probability
+        scatter, muscles = uncertainty.scatter, uncertainty.muscles
+
+        def judge(_: np.ndarray, draws: int) -> Spread:
+            return spread(*changed, (), limits, scatter, muscles, draws)
+
+        probability, _ = staged_probabilities(np.zeros(1, int), uncertainty, judge)
         return bool(probability[0] >= uncertainty.share)
 
     spaced = np.linspace if what in ("supply_pressure", "braid_angle") else np.geomspace

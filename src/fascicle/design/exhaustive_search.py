@@ -257,13 +257,17 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
     slower = 1 if uncertainty.muscles is None else _SLOWER
     candidates, budget, complete = result.allowed.copy(), _MOST_DRAWN // slower, False
     probability = np.full(len(candidates), np.nan)
+
+    def judge(rows: Rows, draws: int) -> Spread:
+        return _spread_of_rows(result, rows, uncertainty, draws, ())
+
     while budget > 0:
         front = result.pareto_front(np.flatnonzero(candidates))
         new = front[np.isnan(probability[front])]
         if complete := not new.size:
             break
         new = new[: 1 + budget // _DRAWS[0]]
-        probability[new], drawn = _probabilities(result, new, uncertainty)
+        probability[new], drawn = staged_probabilities(new, uncertainty, judge)
         candidates[new[probability[new] < uncertainty.share]] = False
         budget -= drawn
     safe = np.flatnonzero(probability >= uncertainty.share)
@@ -284,17 +288,18 @@ def judge_safety(result: SearchResult, uncertainty: Uncertainty) -> SearchResult
     return replace(result, safety=safety)
 
 
-def _probabilities(
-    result: SearchResult, rows: Rows, uncertainty: Uncertainty
+def staged_probabilities(
+    rows: Rows, uncertainty: Uncertainty, judge: Callable[[Rows, int], Spread]
 ) -> tuple[Float[np.ndarray, " design"], int]:
     """Share of draws in which each design holds [-], from as few draws as tell whether it is large
-    enough; and the number of designs in draws that were evaluated.
+    enough, and the number of designs in draws that were evaluated; `judge`: spread of the designs
+    of some `rows` in a number of draws.
     """
     share, probability, drawn = uncertainty.share, np.empty(len(rows)), 0
     unclear = np.arange(len(rows))
     for draws in (*(n for n in _DRAWS if n < uncertainty.draws), uncertainty.draws):
-        holding = _spread_of_rows(result, rows[unclear], uncertainty, draws, ())
-        probability[unclear], drawn = holding.probability, drawn + draws * len(unclear)
+        probability[unclear] = judge(rows[unclear], draws).probability
+        drawn += draws * len(unclear)
         deviation = np.sqrt(share * (1 - share) / draws)
         unclear = unclear[np.abs(probability[unclear] - share) < _DEVIATIONS * deviation]
         if not unclear.size:
