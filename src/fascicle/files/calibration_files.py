@@ -111,7 +111,7 @@ def rounded_muscle(muscle: Muscle) -> Muscle:
 
 def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 0) -> Muscle:
     """Muscle with draws of its calibrated constants, on the first axis of all its numbers, normally
-    distributed in the fitted coordinates.
+    distributed in the fitted coordinates; those that the data don't determine stay as fitted.
 
     `path`: the muscle file of `fascicle calibrate`; `ValueError` for one without a calibration.
     """
@@ -122,6 +122,9 @@ def sample_muscles(path: str | os.PathLike[str], draws: int = 1000, seed: int = 
     names = list(table["coordinate_names"])
     parameters = select_parameters(names, muscle)
     center, covariance = np.array(table["coordinates"]), np.array(table["covariance"])
+    unknown = {row["name"] for row in table.get("parameter", ()) if not row["identifiable"]}
+    determined = np.array([name not in unknown for name in names])
+    covariance = np.where(np.outer(determined, determined), covariance, 0.0)
     # the parameters' order may differ from that of the names in the file
     order = [names.index(parameter.name) for parameter in parameters]
     z = np.random.default_rng(seed).multivariate_normal(center, covariance, draws)[:, order]

@@ -124,9 +124,10 @@ def test_constants_are_drawn_from_the_calibration(tmp_path):
     center = np.log([0.95, 0.75])
     calibration = {
         # not in the order in which they are put
-        "coordinate_names": names[::-1],
-        "coordinates": center[::-1].tolist(),
-        "covariance": [[0.04, 0.0], [0.0, 0.0001]],
+        "coordinate_names": [*names[::-1], "transition_rate"],
+        "coordinates": [*center[::-1].tolist(), 3.0],
+        "covariance": [[0.04, 0.0, 0.0], [0.0, 0.0001, 0.0], [0.0, 0.0, 9.0]],
+        "parameter": [{"name": "transition_rate", "identifiable": False}],
     }
     fs.save(muscle, tmp_path / "fitted.toml", calibration)
     draws = sample_muscles(tmp_path / "fitted.toml", 4000, seed=1)
@@ -136,6 +137,8 @@ def test_constants_are_drawn_from_the_calibration(tmp_path):
     # four deviations of a mean, and of a deviation, of 4000 draws
     assert_allclose([stiff.mean(), strong.mean()], center, atol=4 * 0.2 / np.sqrt(4000))
     assert_allclose([stiff.std(), strong.std()], [0.01, 0.2], rtol=4 / np.sqrt(8000))
+    # what the data don't determine would spread over decades
+    assert_allclose(draws.tuning.transition_rate, np.exp(3.0))
 
 
 def test_sixty_muscles_of_few_units_are_a_space():
