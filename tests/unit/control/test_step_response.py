@@ -55,10 +55,11 @@ def test_delay_and_lag_of_a_chamber_are_found(plant_of, pair, muscle, begin, com
 
 @pytest.fixture(scope="module")
 def step(plant_of, pair):
-    """Steps of a plant's valve with a lag of 15 ms, measured late by 15 ms; its step is compiled
-    once.
+    """Steps of a plant's valve with a lag of 15 ms, measured late by 15 ms, whose gas warms and
+    cools; its step is compiled once.
     """
     plant = plant_of(pair, 0.05, spool=fluid.Servovalve(15e-3))
+    plant = with_fields(plant, chamber=fluid.AdiabaticWall(conductance=0.2))
 
     def record(pressure, command):
         commands = np.zeros((2050, 2))
