@@ -1,11 +1,13 @@
 """Claims and comparisons with measured records on the terminal: a summary, and tables."""
 
+import os
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fascicle.cli.errors import INCOMPLETE, user_errors
-from fascicle.cli.terminal import print_line, print_written, status
+from fascicle.cli.terminal import print_line, status
 from fascicle.io import atomic
 
 from .claims import Claim, failed, summary
@@ -22,6 +24,17 @@ __all__ = [
     "print_comparisons",
     "verdict_lines",
 ]
+
+
+_MAX_NAMES = 2  # files of a kind that are named; more are counted
+
+
+def print_written(folder: Path, names: Sequence[str]) -> None:
+    """Print a `folder` and the `names` of the files written into it, or how many of a kind."""
+    kinds = Counter(Path(name).suffix for name in names)
+    pages = [name for name in names if kinds[Path(name).suffix] <= _MAX_NAMES]
+    groups = [f"{kinds[kind]} {kind[1:]}" for kind in kinds if kinds[kind] > _MAX_NAMES]
+    print_line(f"wrote {folder}{os.sep}: {', '.join([*pages, *groups])}")
 
 
 def measurements(folder: Path, overwrite: bool) -> int:
