@@ -119,6 +119,7 @@ def test_estimates_are_the_covariances(tuned):
 
 def test_drawn_muscles_have_the_mean_and_covariance_of_the_fit(many):
     fitted = next(made for made in many if all(one.identifiable for one in made.parameters))
+    assert_array_equal(fitted.draws(9, seed=4), fitted.draws(9, seed=4))
     muscles = fitted.muscles(500, seed=4)
     z = np.array([[p.coordinate(muscle) for p in fitted.problem.parameters] for muscle in muscles])
     scale = np.sqrt(np.diag(fitted.covariance))
