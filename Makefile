@@ -81,9 +81,9 @@ package: core
 slow: $(STAMP)
 	XLA_FLAGS= OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow
 
-# every page of the docs with its links, docstrings and references, but for what their code prints
+# every page of the docs, executed but for the longest, which `docs/conf.py` lists
 pages: $(STAMP)
-	$(BIN)/python -m sphinx -W --keep-going -q -D nb_execution_mode=off -b html docs docs/_build/pages
+	$(KEEPING) $(BIN)/python -m sphinx -t short -W --keep-going -q -b html docs docs/_build/pages
 
 # page by page where somebody watches, and nothing else runs; one more at once, as one waits
 docs: $(STAMP)

@@ -77,6 +77,12 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_execution_show_tb = True
+if tags.has("short"):  # noqa: F821 Sphinx's own
+    # the longest pages, whose parts other tests run: `make docs` executes them
+    nb_execution_excludepatterns = [
+        *("calibrate.md", "control.md", "design.md", "dynamics.md"),
+        *("how-to/mujoco.md", "how-to/plc.md", "how-to/train.md"),
+    ]
 nb_merge_streams = True
 nb_render_image_options = {"width": "90%"}
 

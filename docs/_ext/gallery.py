@@ -34,13 +34,11 @@ def resolve(app: Sphinx, doctree: nodes.document, docname: str) -> None:
         grid = nodes.container(classes=["gallery"])
         for name in place["names"]:
             title = app.env.titles[name].astext()
-            pictures = list(app.env.get_doctree(name).findall(nodes.image))[:1]
-            pictures = [picture.deepcopy() for picture in pictures]  # none of a page not executed
-            for picture in pictures:
-                picture.attributes.pop("width", None)
-                picture["alt"] = ""  # the title beside it says the same
+            picture = next(app.env.get_doctree(name).findall(nodes.image)).deepcopy()
+            picture.attributes.pop("width", None)
+            picture["alt"] = ""  # the title beside it says the same
             address = app.builder.get_relative_uri(docname, name)
-            link = nodes.reference("", "", *pictures, nodes.inline(title, title), internal=True)
+            link = nodes.reference("", "", picture, nodes.inline(title, title), internal=True)
             link["refuri"] = address
             grid += nodes.paragraph("", "", link)
         place.replace_self(grid)
