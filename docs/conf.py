@@ -77,7 +77,7 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_execution_show_tb = True
-if tags.has("short"):  # noqa: F821 Sphinx's own
+if tags.has("short"):  # `tags` is Sphinx's own
     # the longest pages, whose parts other tests run: `make docs` executes them
     nb_execution_excludepatterns = [
         *("calibrate.md", "control.md", "design.md", "dynamics.md"),
