@@ -149,9 +149,9 @@ class StateCurves:
 
 
 def _grid(laws: "list[Piecewise]", supply: float) -> Array:
-    """Levels of the grid [-], those of the tunings' kinks among them; more of them in cells in
-    which the free strain of a muscle rises steeply, and on both sides of a level where one of its
-    kinks begins or ends, as collapse does at some pressure: there the force jumps.
+    """One row of levels [-] for all `laws`, those of the tunings' kinks among them; more in cells
+    in which the free strain of a muscle rises steeply, and on both sides of a level where one of
+    its kinks begins or ends, as collapse does at some pressure: there the force jumps.
     """
     from scipy.optimize import elementwise  # 0.25 s that a force doesn't need
 

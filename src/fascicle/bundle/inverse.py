@@ -92,8 +92,8 @@ def recruit(
     - `supply`: the supply's pressure [Pa], one for all, and `scheme`: one of `fascicle.schemes`, by
       name or as an object; by default the bundle's own.
     - `prefer`: of several solutions, "efficiency" for the one that takes least fluid, or
-      "nearest" for the one whose pressures are nearest to the `present` ones [Pa], units on the
-      last axis.
+      "nearest" for the one nearest to the `present` pressures of the units [Pa], on the last
+      axis.
     - `resistance`: units past their own free strain push back.
 
     For a demand out of reach the result is that of the nearest force, with a status. `ValueError`
@@ -149,8 +149,8 @@ def recruit(
 def _best_solution(
     force: Array, roots: Roots, cost: Array, pressures: Array, states: States
 ) -> RecruitmentResult:
-    """Of all `roots` of (B9) for each `force` [N] the first one of the least `cost` [any unit];
-    `pressures`: of all units at the roots [Pa].
+    """Result for each `force` [N]: of its `roots` of (B9) the first one of the least `cost` [any
+    unit], and a table of all exact ones; `pressures`: of all units at the roots [Pa].
     """
     order = np.lexsort((cost, roots.demand))
     best = order[run_starts(roots.demand[order])]

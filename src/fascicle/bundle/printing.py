@@ -98,7 +98,7 @@ def recruitment_table(result: "RecruitmentResult") -> ReprTable:
 
 
 def _laws_text(muscle: "Muscle") -> str:
-    """Laws of a `muscle` that its file would name, such as "buckling kim2021"."""
+    """All laws of a `muscle` but default ends, such as "buckling kim2021"."""
     laws = {kind: getattr(muscle, kind) for kind in LAWS}
     return "; ".join(
         f"{kind.replace('_', '-')} {law_text(law)}"

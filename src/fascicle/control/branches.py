@@ -153,8 +153,8 @@ class Branches(Module):
 
 
 def _tabulate_branch(muscles: MuscleTables, unit: int, top: float) -> tuple[np.ndarray, ...]:
-    """Onset [Pa], dip [N] and its pressure [Pa] at each of a unit's tabulated strains, and the
-    branch's pressures [Pa].
+    """Onset [Pa], above which one muscle of a unit pulls more than empty, its dip [N] and the
+    dip's pressure [Pa] at each tabulated strain, and the branch's pressures [Pa].
     """
     ends, columns = muscles.strains, muscles.table.coefficients.shape[-3]
     strain = np.linspace(float(ends[0][unit]), float(ends[1][unit]), columns + 1)

@@ -248,14 +248,17 @@ class Cascade(Module):
         is_short, is_excess = jnp.any(jnp.stack(short)), jnp.any(jnp.stack(excess))
 
         def without_windup(value: Batch, before: Batch) -> Batch:
+            """Integral `value`, or that `before` if it winds further past a reached limit."""
             winds_up = (is_short & (value > before)) | (is_excess & (value < before))
             return jnp.where(winds_up, before, value)
 
         memories, targets, _ = zip(*decisions, strict=True)
         commands = self._valve_commands(jnp.concatenate(targets), measurement, strains, speed)
-        integral = without_windup(integral, memory.integral)
-        force_integral = without_windup(force_integral, memory.force_integral)
-        sums = integral, force_integral, disturbance, command, rate
+        integrals = (
+            without_windup(integral, memory.integral),
+            without_windup(force_integral, memory.force_integral),
+        )
+        sums = *integrals, disturbance, command, rate
         return CascadeMemory(*sums, friction, last, memories, commands, memory.steps)
 
     def _valve_commands(

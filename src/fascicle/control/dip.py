@@ -92,9 +92,10 @@ def needed_reserve(
     unit: int = 2,
     supply_pressure: Values = None,
 ) -> Batch:
-    """Reserve [N] at which a hand-over must begin, (X3): inf if the unit gains nothing up to the
-    supply's pressure. `force_rate` of the demand [N/s], `time` $t_c$ of the hand-over [s], zero or
-    more; other arguments and errors as of `transition`: `strain` [-], `supply_pressure` [Pa].
+    """Reserve [N] at which a hand-over must begin, (X3): the largest sum of lost force and
+    risen demand up to the onset, inf if the unit gains nothing up to the supply's pressure.
+    `force_rate` of the demand [N/s], `time` $t_c$ of the hand-over [s], zero or more; other
+    arguments and errors as of `transition`: `strain` [-], `supply_pressure` [Pa].
     """
     rise = check_finite(force_rate, "force_rate", "N/s") * check_nonnegative(time, "time", "s")
     supply = resolve_supply_pressure(bundle, supply_pressure)

@@ -76,6 +76,7 @@ class OilValves(AbstractValves):
     flow_rate: Batch = positive_field("flow_rate", Range("m³/s", 1e-12, 1e-9, 1.0, 1e3))
 
     def content(self, pressure: Numbers, volume: Numbers) -> Batch:
+        """Volume of liquid [m³]: the muscles' `volume` [m³], at any `pressure` [Pa]."""
         return volume + 0.0 * pressure
 
     def flow(self, pressure: Numbers) -> Batch:

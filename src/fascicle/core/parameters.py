@@ -115,5 +115,5 @@ class Switch:
         return check_choice(value, self.options, self.name)
 
     def field(self) -> Any:
-        """Field of a law that is validated when set, with the switch in its metadata."""
+        """Static field of a law that holds one of the options, by default the first."""
         return static(default=self.options[0], converter=self.validate, switch=self)

@@ -100,7 +100,7 @@ class Audit(NamedTuple):
 
     @property
     def findings(self) -> list[Finding]:
-        """Balances that don't close, volumes that aren't conjugate, and events.
+        """A `Finding` for each balance that doesn't close, nonconjugate volume, and event.
 
         Codes: "run.unbalanced", "run.volume_not_conjugate", and "run." with an event's name.
         """

@@ -87,10 +87,10 @@ class ChamberEvaluation(NamedTuple):
         # such a step changes the force by a ten-thousandth, less than a load cell shows
         return absolute(self.newton_step(self.slope)) > 1.0 + 1e-4 * absolute(self.pressures)
 
-    def pressure_rate(self, rate_at_fixed_volume: Numbers, strain_rate: Batch) -> Numbers:
-        """Rate of pressure [Pa/s], (T4): `rate_at_fixed_volume` [SI] at a `strain_rate` [1/s]."""
-        xp = array_namespace(rate_at_fixed_volume, strain_rate)
-        flowing = xp.sum(self.residual.by_state * rate_at_fixed_volume, axis=-1)
+    def pressure_rate(self, state_rates: Numbers, strain_rate: Batch) -> Numbers:
+        """Rate of pressure [Pa/s], (T4): fixed-volume `state_rates` [SI], `strain_rate` [1/s]."""
+        xp = array_namespace(state_rates, strain_rate)
+        flowing = xp.sum(self.residual.by_state * state_rates, axis=-1)
         push = flowing + self.volume_sensitivity * self.by_strain * strain_rate
         return -push / self._nonzero_slope(self.pressure_slope)
 
@@ -163,16 +163,16 @@ def conserved_state(
 def conserved_rates(
     chamber: AbstractChamber,
     chambers: Numbers,
-    rate_at_fixed_volume: Numbers,
+    state_rates: Numbers,
     P_dot: Numbers,
     volumes: Numbers,
 ) -> Numbers:
-    """Rates $\\dot k$ of the conserved states [SI], equation (T6), of states `chambers` [SI] with a
-    `rate_at_fixed_volume` [SI], at rates of pressure `P_dot` [Pa/s] and `volumes` [m³].
+    """Rates $\\dot k$ of the conserved states [SI], equation (T6), of states `chambers` [SI] with
+    `state_rates` at a fixed volume [SI], at rates of pressure `P_dot` [Pa/s] and `volumes` [m³].
     """
     push = chamber.per_volume_rate
     folded = push(chambers, P_dot) - push(chambers, 0.0 * P_dot)
-    return rate_at_fixed_volume - folded * volumes[..., None]
+    return state_rates - folded * volumes[..., None]
 
 
 def project_chambers(

@@ -26,10 +26,10 @@ _POSITIONS = 801  # that bracket an equilibrium: four in each of a table's 200 c
 def equilibrium_state(
     plant: Plant, pressures: Values = 0.0, position: Values = None, command: Values = None
 ) -> State:
-    """State at rest [SI] of a `plant`, at the position where its forces balance, equation (T5).
+    """Initial state [SI] of a `plant`: at its `position`, else where its forces balance, (T5).
 
     `pressures`: gauge, of each unit or one for all [Pa]; `position` of the load [SI], fixed until
-    the run begins, by default that of rest or of a prescribed motion; `command`: position of the
+    the run begins, by default that of balance or of a prescribed motion; `command`: position of the
     valves' spools [-], by default the middle. `ValueError` for pressures off the domain, a position
     outside the muscles' tables, and a load that the bundle can't hold at rest at these pressures.
     """

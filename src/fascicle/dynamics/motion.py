@@ -120,11 +120,11 @@ def evaluate_plant(
     P = fluid.pressures
 
     flows = evaluate_flows(plant, state, P, command)
-    rate_at_fixed_volume = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, 0.0)
-    P_dot = fluid.pressure_rate(rate_at_fixed_volume, eps_dot)
+    state_rates = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, 0.0)
+    P_dot = fluid.pressure_rate(state_rates, eps_dot)
     V_dot = fluid.by_strain * eps_dot + fluid.by_pressure * P_dot
     filling = chamber.rates(state.chambers, P, flows.mass, flows.enthalpy, V_dot)
-    conserved = conserved_rates(chamber, state.chambers, rate_at_fixed_volume, P_dot, fluid.volume)
+    conserved = conserved_rates(chamber, state.chambers, state_rates, P_dot, fluid.volume)
 
     arm = plant.counts * plant.lengths * plant.gains
     pull = array_namespace(fluid.muscles.force).sum(arm * fluid.muscles.force, axis=-1)

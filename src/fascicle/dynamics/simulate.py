@@ -279,6 +279,7 @@ def _run(
     # a derivative computes a step again, which takes less memory than storing it
     @partial(jax.checkpoint, prevent_cse=False)
     def step(carry: tuple, row: tuple) -> tuple[tuple, _Rows]:
+        """Measure, act, delay the command, and integrate the substeps."""
         progress, memory, command, pending = carry
         time, reference, is_last = row
         state, friction_memory = progress.state, progress.friction_memory

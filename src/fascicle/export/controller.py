@@ -36,9 +36,9 @@ in 20 random ramps of "hand_over" for one and four muscles, at equal measurement
 
 
 def tabulate_controller(controller: Cascade, shape: tuple[int, int]) -> Cascade:
-    """Copy of a `Cascade` of force, of one bundle on gas, for C: with
-    tables of `shape` (pressure, strain), and acting at every step. `ValueError` for a controller
-    whose step can't be written as C.
+    """Copy of a `Cascade` of force, of one bundle on gas, for C: its branches tabulated anew
+    at `shape` (pressure, strain), its own period as the step. `ValueError` for a controller whose
+    step can't be written as C.
     """
     if not isinstance(controller, Cascade):
         rule, kind = "must be a Muscle, a Bundle, a Joint or a Cascade", type(controller).__name__

@@ -153,6 +153,7 @@ def _table_data(table: MuscleTable) -> dict[str, object]:
     low, high = map(float, table.strains)
 
     def encode(values: Numbers) -> str:
+        """Base64 of `values` as little-endian float64."""
         return base64.b64encode(np.asarray(values, "<f8").tobytes()).decode("ascii")
 
     return {

@@ -103,6 +103,7 @@ class Accumulator(AbstractSupply):
         return P
 
     def temperature_at(self, state: Numbers) -> Batch:
+        """The room's temperature [K], in every `state` [SI]."""
         return self.room_temperature + 0.0 * state[..., 0]
 
     def rates(self, state: Numbers, mass_in: Batch, energy_in: Batch) -> Numbers:

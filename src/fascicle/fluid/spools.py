@@ -134,7 +134,8 @@ class Solenoid(AbstractSpool):
     closing_delay: Batch = positive_field("closing_delay", _TIME)
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
-        return 1 / self.period + 0.0 * (command + spool)  # of each unit's clock, in periods
+        """Rate of each unit's pulse clock `spool` [1/s], $1/T$ at any `command` [-]."""
+        return 1 / self.period + 0.0 * (command + spool)
 
     def openings(self, command: Numbers, spool: Numbers) -> Openings:
         """Openings [-], (F11), at a `command` [-] and clocks `spool` [-]."""

@@ -112,7 +112,7 @@ class ConstantSupply(AbstractSupply):
 
 
 class Tank(AbstractSupply):
-    """Supply from a tank of gas, equation (F17).
+    """Tank of gas whose pressure falls, without a regulator, equation (F17).
 
     `chamber`: of gas, with the tank's wall and room. `volume` [m³]. `pressure`: initial, gauge, as
     warm as the room [Pa].

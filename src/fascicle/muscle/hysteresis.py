@@ -88,8 +88,8 @@ class AbstractHysteresis(Module):
 
     @abc.abstractmethod
     def advance(self, forces: Numbers, motion: Motion) -> FrictionStep:
-        """Friction [N] and lost energy [J] after a `motion`; `forces`: of its springs before, on
-        the last axis [N].
+        """`FrictionStep` after a `motion`: any springs stretched by it, up to their slip
+        force; `forces`: of the springs before, on the last axis [N].
         """
 
     @abc.abstractmethod

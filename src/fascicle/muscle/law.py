@@ -119,6 +119,7 @@ class LawRegistry(Mapping[str, type[Law]]):
         """The package's `__getattr__`, for its laws' classes, and `__dir__`, which lists them."""
 
         def get_class(class_name: str) -> type[Law]:
+            """Class of a shipped law by its Python name: the package's `__getattr__`."""
             if not class_name.startswith("_"):
                 for law in self.shipped.values():
                     if law.__name__ == class_name:

@@ -118,7 +118,7 @@ def _spaced(name: str) -> str:
 
 
 def range_text(owner: object, name: str, dimension: str) -> str:
-    """Text of a number of the `owner`, or from the least to the largest of several."""
+    """Text of the `owner`'s attribute: one number, or the least to the largest of a batch."""
     return format_range(getattr(owner, name), lambda x: pretty(x, dimension))
 
 

@@ -249,7 +249,9 @@ def _evaluate_nodes(
 def _kinks_and_bows(
     law: Piecewise, pressure: np.ndarray, strain: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Fields `kinks` and `bows` of a table with these nodes of `pressure` [Pa] and `strain` [-]."""
+    """Kinks [-] of each `pressure` [Pa], and bows [m²], deflection² over the strain past the
+    onset, at the nodes with `strain` [-].
+    """
     at: PressurizedMuscle = law.at(pressure[:, None])
     free, onset, collapse = (np.broadcast_to(k, (len(pressure), 1)) for k in at.kinks)
     step, bows = strain[1] - strain[0], []
@@ -266,7 +268,7 @@ def _kinks_and_bows(
 
 
 def _coenergy_and_slope(law: Piecewise, pressure: np.ndarray, strain: np.ndarray) -> np.ndarray:
-    """Co-energy [J] and its slope by strain [J], rows by pressure, by the force's integral."""
+    """Co-energy and its slope by strain $L_0 F$ [J] on the first axis, then rows by pressure."""
     at: PressurizedMuscle = law.at(pressure)
     grid = np.broadcast_to(strain[:, None], (len(strain), len(pressure)))
     work = integrate_force(at, grid, _POINTS)

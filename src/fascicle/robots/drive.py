@@ -194,7 +194,7 @@ class Drive(Module):
 
     @property
     def highest_pressure(self) -> float:
-        """End of the muscles' tables [Pa]."""
+        """Least of the ends of the muscles' tables [Pa]."""
         return float(np.min(self.plant.muscles.highest_pressure))
 
     def _check_pressures(self, pressures: Values, name: str, low: float = 0.0) -> Numbers:
@@ -229,6 +229,7 @@ class Drive(Module):
             warnings.warn(text, TableWarning, stacklevel=level)
 
     def _describe(self, status: Whole) -> str:
+        """Words for the first unit outside of its table, by the `status` of each."""
         names = [self.tendons[side] for side in self.plant.sides]
         return status_message(self.plant.muscles, status, names)
 

@@ -85,7 +85,8 @@ def trace_route(
         mujoco.mj_fwdPosition(model, data)
         return float(data.ten_length[index])
 
-    def moves(name: str) -> bool:
+    def moves_tendon(name: str) -> bool:
+        """True if the joint changes the tendon's length over its range."""
         low, high = limits[name] or (-0.5, 0.5)
         # a wrapped tendon may leave a joint here and there
         lengths = [length({name: value}) for value in np.linspace(low, high, 7)]
@@ -103,7 +104,7 @@ def trace_route(
         unit = "rad" if is_hinge[check_choice(name, is_hinge, "joint")] else "m"
         values = [check_interval(x, -np.inf, np.inf, "ranges", unit) for x in ends]
         limits[name] = float(min(values)), float(max(values))
-    joints = [name for name in limits if moves(name)]
+    joints = [name for name in limits if moves_tendon(name)]
     if not joints:
         rule = f"{tendon!r} isn't moved by any hinge or slide joint"
         raise InvalidInputError("tendon", rule, tendon, shown="")

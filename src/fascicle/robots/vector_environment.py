@@ -189,6 +189,7 @@ class VectorEnvironment(VectorEnv):
         command = action if self._valved else action * self._highest
 
         def frame(carry: tuple[Data, Fluid], _: None) -> tuple:
+            """Advance data and fluid by one step of MuJoCo."""
             return drive.step_mjx(self._physics, carry[0], carry[1], command), None
 
         after = jax.lax.scan(frame, (data, fluid), length=self._frames)[0]

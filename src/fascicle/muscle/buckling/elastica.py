@@ -189,7 +189,7 @@ def _load_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
 
 
 def _strain_residual(theta: tuple, arc: Batch) -> tuple[Batch, Batch]:
-    """Strain of a bent state minus its target [-], and its slope."""
+    """Strain at an `arc`, the strain of its own length, minus its target [-], and its slope."""
     column, target = theta
     state = bent_state(column, arc)
     return state.strain - target, state.strain_slope

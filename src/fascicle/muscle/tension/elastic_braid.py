@@ -93,7 +93,7 @@ class ElasticBraid(AbstractTension):
         return bore * (fibers - pressure * q * lam) + wall
 
     def pull(self, bladder: Bladder, pressure: BatchLike, strain: BatchLike) -> Pull:
-        """Mesh and bladder force [N], equations (3) and (4) at the fibers' stretch."""
+        """Mesh and bladder force [N] with slopes, (3) and (4) at the fibers' stretch."""
         braid, lam, ratio = bladder.braid, 1 - strain, _section_ratio(bladder)
         u, W, limited = self._solve(bladder, pressure, strain)
         cot2, q_slope = braid.cot2, 2 * (1 + braid.cot2) * (1 + u)  # dq/du
