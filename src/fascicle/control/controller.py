@@ -22,7 +22,7 @@ $$z\, \dot m_{open}(P) = \frac{\partial m}{\partial P} \frac{P_r - P}{\tau}
 
 within what it can. A valve that follows its command with a time constant $\tau_v$, measurements
 that are late by $\theta$ and commands that are held for $\Delta t$ are in this loop as well, so
-that it needs
+that it needs, with the mean delay of pulses in $\theta$,
 
 $$\tau \ge 2 \left(\tau_v + \theta + \Delta t\right): \tag{K3a}$$
 
@@ -109,6 +109,11 @@ def valve_lag(plant: Plant) -> float:
     return float(np.max(getattr(plant.spool, "time_constant", 0.0)))
 
 
+def pulse_delay(plant: Plant) -> float:
+    """Mean delay of the slowest pulses of a `plant`'s valves [s]."""
+    return float(np.max(plant.spool.pulse_delay))
+
+
 class Cascade(Module):
     """Controller of a plant, as `simulate` takes it, made by `control.cascade`.
 
@@ -149,7 +154,7 @@ class Cascade(Module):
     @property
     def _total_delay(self) -> float:
         """Delay of valves, measurements and samples [s]."""
-        return float(self.delay) + float(self.dt) * self.every
+        return pulse_delay(self.plant) + float(self.delay) + float(self.dt) * self.every
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -384,7 +389,8 @@ def cascade(
     policies = tuple(POLICIES[policy](band) for _ in units)
     derived, pressure_time = gains.pressure_time is None, gains.pressure_time
     if derived:
-        pressure_time = max(FASTEST, DAMPED * (valve_lag(plant) + dead_time + step * every))
+        late = valve_lag(plant) + pulse_delay(plant) + dead_time + step * every
+        pressure_time = max(FASTEST, DAMPED * late)
     pressure_time = check_positive(pressure_time, "pressure_time", "s")
     observer = gains.observer_time
     if observer is None:

@@ -30,7 +30,7 @@ from ..core.types import Numbers, Values
 from ..core.validation import check_finite, check_nonnegative
 from ..dynamics import Plant
 from .branches import Branches
-from .controller import DAMPED, valve_lag
+from .controller import DAMPED, pulse_delay, valve_lag
 from .dip import Transition, check_unit, transition, unit_strain
 from .units import SLACK, AbstractValves, Valves, valves_of_units
 
@@ -227,7 +227,8 @@ def crossings_on_reference(
     else:
         q = float(plant.load.motion_at(0.0, 0.0, 0.0)[0])
         force, strain = target, float(np.atleast_1d(plant.strains(q))[0])
-    path, lag = Path.of(time, force, strain), DAMPED * (valve_lag(plant) + delay)
+    path = Path.of(time, force, strain)
+    lag = DAMPED * (valve_lag(plant) + pulse_delay(plant) + delay)
     supply = plant.supply_pressure
     units = range(2, plant.units + 1)
     return tuple(crossing(bundle, path, plant, unit, supply, lag=lag) for unit in units)

@@ -19,7 +19,9 @@ $$z = \min\left(\frac{t}{2 t_o},\ 1 - \frac{t - |u| T}{2 t_c}\right), \qquad 0 \
   \tag{F11}$$
 
 also in the next pulse, if it hasn't closed. In the mean that is $|u| + (t_c - t_o)/T$, if the pulse
-is long enough to open the valve and the pause to close it.
+is long enough to open the valve and the pause to close it. A pulse begins with its period, so that
+$u$ moves its end alone, once a period and $t_c$ later: in a loop that is a delay of
+$T/2 + t_c$ in the mean, of which half a period is that of any loop that is sampled with $T$.
 
 **Source:** Merritt (1967), Hydraulic Control Systems.
 """
@@ -59,6 +61,11 @@ class AbstractSpool(Module):
     dead_time: float = record(
         default=0.0, converter=_check_dead_time, kw_only=True, static=True, unit="s"
     )
+
+    @property
+    def pulse_delay(self) -> Batch:
+        """Mean delay of commands by pulses [s], besides the `dead_time`."""
+        return 0.0
 
     def state_count(self, units: int) -> int:
         """Number of spools with a state for a number of `units`: one each, if not overridden."""
@@ -132,6 +139,10 @@ class Solenoid(AbstractSpool):
     period: Batch = positive_field("period", _TIME)
     opening_delay: Batch = positive_field("opening_delay", _TIME)
     closing_delay: Batch = positive_field("closing_delay", _TIME)
+
+    @property
+    def pulse_delay(self) -> Batch:
+        return self.period / 2 + self.closing_delay
 
     def rate(self, command: Numbers, spool: Numbers) -> Numbers:
         """Rate of each unit's pulse clock `spool` [1/s], $1/T$ at any `command` [-]."""

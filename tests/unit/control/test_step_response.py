@@ -105,6 +105,19 @@ def test_margins_are_those_of_a_frequency_sweep(plant_of, pair):
     assert control.loop_margins(1.0, 0.5, 0.0).gain == np.inf
 
 
+def test_pulses_delay_a_loop(plant_of, pair):
+    # half a period, as in any loop that is sampled, and the time in which a pulse ends
+    spool = fluid.Solenoid(20e-3, opening_delay=3e-3, closing_delay=2e-3, dead_time=10e-3)
+    controller = control.cascade(plant_of(pair, spool=spool), "threshold", delay=10e-3)
+    late = 10e-3 + DT + 10e-3 + 2e-3
+    assert_allclose(controller.gains.pressure_time, 2 * late)
+    assert_allclose(controller.margins, control.loop_margins(2 * late, 0.0, late))
+    fast = control.Gains(pressure_time=22e-3)
+    with pytest.warns(UserWarning, match="pressure_time"):
+        fast = control.cascade(controller.plant, "threshold", gains=fast, delay=10e-3)
+    assert [finding.code for finding in fast.findings] == ["control.pressure_time_short"]
+
+
 def test_records_without_one_step_from_zero_are_refused(plant_of, pair):
     time, plant = DT * np.arange(50), plant_of(pair)
     on = 1.0 * (np.arange(50) > 4)
