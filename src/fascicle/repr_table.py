@@ -42,8 +42,8 @@ class ReprTable(NamedTuple):
 def with_table_repr(
     table: Callable[[Any], ReprTable], line: Callable[[Any], str] | None = None
 ) -> Callable:
-    """Decorator of a class whose objects print as a table. `table`: function of an object that
-    returns its table; `line`: that returns its `repr`, default: Python's.
+    """Class decorator: `print` and notebooks show a text table, `repr` one line. `table`, `line`:
+    functions of an object that return them; default of `line`: Python's `repr`.
     """
 
     def decorate(kind: Any) -> Any:

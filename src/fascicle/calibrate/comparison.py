@@ -94,7 +94,7 @@ def compare(
         free = None if parameters is None else [n for n in parameters if n not in dropped]
         law_priors = {name: prior for name, prior in (priors or {}).items() if name not in dropped}
         fits[", ".join(names)] = fit_data(data, variant, free, law_priors, FitOptions(**options))
-    return _ranked(fits)
+    return _rank_fits(fits)
 
 
 def compare_tension(
@@ -128,7 +128,7 @@ def compare_tension(
             law_priors = {name: prior for name, prior in (priors or {}).items() if name in names}
             label = f"{kind.title or law}: {', '.join(names)}"
             fits[label] = fit_data(data, variant, names, law_priors, settings)
-    return _ranked(fits)
+    return _rank_fits(fits)
 
 
 def comparison_row(label: str, fitted: Calibration) -> Row:
@@ -148,8 +148,8 @@ def comparison_row(label: str, fitted: Calibration) -> Row:
     return Row(label, free, error, left_out, *relative, aic, bic, fitted.status, pull)
 
 
-def _ranked(fits: Mapping[str, Calibration]) -> LawComparison:
-    """Rows of fits by AIC; AIC and BIC are counted from the smallest."""
+def _rank_fits(fits: Mapping[str, Calibration]) -> LawComparison:
+    """Comparison of `fits` by label, smallest AIC first; AIC and BIC less their smallest."""
     rows = [comparison_row(label, fitted) for label, fitted in fits.items()]
     aic, bic = min(row.aic for row in rows), min(row.bic for row in rows)
     relative = [replace(row, aic=row.aic - aic, bic=row.bic - bic) for row in rows]

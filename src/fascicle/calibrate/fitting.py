@@ -40,7 +40,7 @@ from .parameters import (
     FACTOR_NAMES,
     Parameter,
     coordinates,
-    pulling_constants,
+    pulling_parameters,
     put,
     select_parameters,
     with_optional_laws,
@@ -68,7 +68,7 @@ class Prior:
 
 @dataclass(frozen=True)
 class FitOptions:
-    """Options of a fit.
+    """How a fit searches: its loss, starts and stages, and whether it fits a loop.
 
     - `loss`, `starts`, `seed`, `whole`: as of `fit`.
     - `tune`: read C1 and C2 first; left out, if all free parameters are factors.
@@ -190,7 +190,7 @@ def set_up_problem(
     if options.held:
         fixed = select_parameters(options.held, start)
     elif pulls and not tuning:
-        fixed = pulling_constants(start)
+        fixed = pulling_parameters(start)
     loop = fits_loop(data, names, options)
     weight = data.settled if loop else data.grid.used
     if not pulls and "force_zero" in names:  # these readings are in its prior

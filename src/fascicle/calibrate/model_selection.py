@@ -45,11 +45,11 @@ from .parameters import (
     RUBBER,
     WEAK,
     parameters_of,
-    pulling_constants,
+    pulling_parameters,
     put,
     with_optional_laws,
 )
-from .readings import SmoothCurves, pulling_force, read_curves, top_pressure
+from .readings import SmoothCurves, read_curves, tension_force, top_pressure
 from .tuning import refit_tuning
 
 
@@ -318,7 +318,7 @@ def identifiable_constants(
 ) -> list[str]:
     """Names of the constants with distinct effects on the measured pull; those `first` go first."""
     problem, _ = set_up_problem(data, muscle, (), {}, options)
-    constants = pulling_constants(problem.muscle)
+    constants = pulling_parameters(problem.muscle)
     slopes = force_slopes_of(problem, problem.center, constants)[problem.grid.measured]
     effects = dict(zip((p.name for p in constants), np.nan_to_num(slopes).T, strict=True))
     names, basis = [], np.zeros((len(slopes), 0))
@@ -426,7 +426,7 @@ def _try_tuning(data: FitData, muscle: Muscle, loss: str, loop: bool) -> list[Ca
     """
     grid = on_length(data, muscle)
     curves = SmoothCurves(muscle, grid.pressure[:, 0], top_pressure(grid))
-    untuned = pulling_force(curves.law, grid.pressure, grid.strain)
+    untuned = tension_force(curves.law, grid.pressure, grid.strain)
 
     def tuned_force(grid_part: Grid) -> tuple[np.ndarray, int] | None:
         readings = read_curves(muscle, grid_part)

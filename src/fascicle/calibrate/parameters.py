@@ -242,8 +242,8 @@ def select_parameters(names: Sequence[str], muscle: Muscle) -> tuple[Parameter, 
     return tuple(parameter for name, parameter in available.items() if name in names)
 
 
-def pulling_constants(muscle: Muscle) -> tuple[Parameter, ...]:
-    """Constants of the pull of a `muscle`."""
+def pulling_parameters(muscle: Muscle) -> tuple[Parameter, ...]:
+    """Parameters of a `muscle` that set its pull: sizes, rubber and laws; no factors."""
     rubber = RUBBER if isinstance(muscle.material, MooneyRivlin) else ()
     unused = {constant.name for constant in MooneyRivlin.constants()} - set(rubber)
     names = [constant.name for constant in CONSTANTS if constant.name not in unused]

@@ -77,8 +77,10 @@ def without_tuning(muscle: Muscle) -> Muscle:
     return with_fields(muscle, tuning=with_fields(Tuning(), dead_band=muscle.tuning.dead_band))
 
 
-def pulling_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
-    """Force of the tension law alone [N] at `pressure` [Pa] and `strain` [-]."""
+def tension_force(muscle: Muscle, pressure: Batch, strain: Batch) -> Batch:
+    """Pull of braid and bladder [N], with tuning and ends, as if the muscle never buckled; at a
+    `pressure` [Pa] and `strain` [-].
+    """
     with np.errstate(all="ignore"):  # unused branches of the law
         return muscle.law.tension.force(pressure, strain)
 
@@ -113,7 +115,7 @@ def read_curves(muscle: Muscle, grid: Grid) -> Readings:
     P, strain, F, count = grid.pressure[:, 0], grid.strain, grid.force, grid.count
     top, zero = top_pressure(grid), np.zeros(P.shape)
     pressurized = (NO_PRESSURE * top < P) & np.any(grid.used, axis=1)
-    T, blocked_law = pulling_force(law, P[:, None], strain), pulling_force(law, P, zero)
+    T, blocked_law = tension_force(law, P[:, None], strain), tension_force(law, P, zero)
     free_law = invert_force(law, P, zero)
 
     # a first line through readings that certainly pull gives the strain at which the pull ends
@@ -165,7 +167,7 @@ class SmoothCurves:
         self.relative_pressure = pressure / top
         self.valid = (self.relative_pressure > NO_PRESSURE) & (muscle.tuning.dead_band < pressure)
         self.untuned_free_strain = invert_force(self.law, pressure, 0.0 * pressure)
-        self.untuned_blocked_force = pulling_force(self.law, pressure, 0.0 * pressure)
+        self.untuned_blocked_force = tension_force(self.law, pressure, 0.0 * pressure)
 
     def free_strain(self, coefficients: Float[AnyArray, "coefficient"]) -> Level:
         """Free strain [-]; 0 without pressure [R13]."""
@@ -179,7 +181,7 @@ class SmoothCurves:
         dead band and up to 1 % of the highest pressure.
         """
         blocked = coefficients[ORDERS] + coefficients[ORDERS + 1] * self.relative_pressure
-        c1 = pulling_force(self.law, self.pressure, self.free_strain(coefficients))
+        c1 = tension_force(self.law, self.pressure, self.free_strain(coefficients))
         span = self.untuned_blocked_force - c1
         c2 = blocked / guarded(self.valid & (span != 0), span)
         return where(self.valid, c1, 0.0), where(self.valid, c2, 1.0)

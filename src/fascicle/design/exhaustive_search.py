@@ -127,7 +127,7 @@ class SearchResult:
 
     @cached_property
     def offers(self) -> dict[str, int]:
-        """Indices on the front of what is offered, by name, the recommended one first."""
+        """Index on the front of the design "cheapest", "simplest", …; the first is recommended."""
         if self.nearest is not None or not self.front.size:
             return {}
         points = self.points

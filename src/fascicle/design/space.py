@@ -304,10 +304,10 @@ class Product(NamedTuple):
 
 @dataclass(frozen=True)
 class Catalog:
-    """Products, by the name of their drawing, and prices in a `currency`: of a `valve` and of a
-    `muscle` of products without a price [-], of `air` for each normal m³ and of `energy` for each
-    J; `density` of the bladder [kg/m³]. `extrapolations`: findings on a largest pressure [Pa] and
-    strain [-] of a measured muscle, by the name of the drawing that is based on it.
+    """Prices and makers' limits of `products`, by the name of their muscle in a `Space`. Prices in
+    a `currency`: of a `valve` and of a `muscle` of products without a price [-], of `air` for each
+    normal m³ and of `energy` for each J; `density` of the bladder [kg/m³]. `extrapolations`: by
+    that name, findings on a largest pressure [Pa] and strain [-] beyond those measured.
     """
 
     products: Mapping[str, Product] = field(default_factory=dict)

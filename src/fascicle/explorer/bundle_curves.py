@@ -84,7 +84,9 @@ class FreeStrainCurve(NamedTuple):
 
 
 def second_unit_curve(bundle: Bundle, first: float) -> FreeStrainCurve:
-    """Free strain over unit 2's pressure: unit 1 at `first` [Pa], later units vented."""
+    """Free strain over unit 2's pressure with and without resistance, and its reversal; unit 1 at
+    `first` [Pa], later units vented.
+    """
     pressure = np.linspace(0.0, first, _PRESSURES)
     resisted = free_strain_curve(bundle, 2, pressure, first, True)
     free = free_strain_curve(bundle, 2, pressure, first, False)

@@ -163,6 +163,7 @@ class CompareView(StrainTab):
             self._show_strain(after)
 
     def export(self) -> Export:
+        """Table and figure of the pinned curves, to download."""
         view = self.session.view
         if not view.pins:
             raise ValueError("Pin a curve first: there is nothing to download yet.")

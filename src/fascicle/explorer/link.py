@@ -131,7 +131,8 @@ def _read_file(view: state.View, text: str, query: Mapping[str, str]) -> state.V
     return state.view_of(loads(unpack(text), source=name), name, view)
 
 
-def _read_units(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
+def _read_unit_counts(view: state.View, text: str, _: Mapping[str, str]) -> state.View:
+    """View with motor units of so many muscles each, such as "1,4"."""
     try:
         units = tuple(state.Unit(int(n)) for n in text.split(",")[: state.MOST_UNITS + 1])
     except ValueError:
@@ -183,7 +184,7 @@ _READERS: Mapping[str, _Reader] = {
     "muscle": _read_muscle,
     "file": _read_file,
     "supply": _quantity("supply", "pressure"),
-    "units": _read_units,
+    "units": _read_unit_counts,
     "scheme": _choice("scheme", tuple(SCHEMES)),
     "pressure": _quantity("pressure", "pressure"),
     "strain": _quantity("strain", "strain"),

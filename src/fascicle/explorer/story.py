@@ -157,34 +157,35 @@ def scene_view(view: View, scene: int) -> View:
 def scene_text(view: View, scene: int) -> str:
     """Sentences of a `scene`, counted from 1, on a `view`, with its numbers."""
 
-    def text(value: float, dimension: str) -> str:
+    def format_value(value: float, dimension: str) -> str:
         if dimension == "strain":
             return f"{value:#.3g}"
         digits = 4 if dimension == "pressure" else 3
         return format_quantity(value, view.display_units[dimension], dimension, digits)
 
-    return _reversal_text(view, text) if scene == len(TITLES) else _muscle_text(view, text)
+    return (_reversal_text if scene == len(TITLES) else _muscle_text)(view, format_value)
 
 
-def _muscle_text(view: View, text: Callable[[float, str], str]) -> str:
+def _muscle_text(view: View, format_value: Callable[[float, str], str]) -> str:
+    """Sentence of the story on the state of the view's muscle."""
     muscle, pressure, strain = view.muscle, view.pressure, view.strain
     response, collapse = muscle.response(pressure, strain), float(muscle.collapse_strain(pressure))
     force, onset = float(response.force), -float(muscle.force(pressure, min(collapse, strain)))
     return _TEXTS[REGIONS[int(response.region)]].format(
-        pressure=text(pressure, "pressure"),
-        strain=text(strain, "strain"),
-        force=text(force, "force"),
-        push=text(-force, "force"),
-        free=text(float(muscle.free_strain(pressure)), "strain"),
-        collapse=text(collapse, "strain"),
-        blocked=text(float(muscle.blocked_force(pressure)), "force"),
-        bow=text(float(muscle.deflection(pressure, strain)), "length"),
-        onset=text(onset, "force"),
+        pressure=format_value(pressure, "pressure"),
+        strain=format_value(strain, "strain"),
+        force=format_value(force, "force"),
+        push=format_value(-force, "force"),
+        free=format_value(float(muscle.free_strain(pressure)), "strain"),
+        collapse=format_value(collapse, "strain"),
+        blocked=format_value(float(muscle.blocked_force(pressure)), "force"),
+        bow=format_value(float(muscle.deflection(pressure, strain)), "length"),
+        onset=format_value(onset, "force"),
         change="falls" if -force < onset else "rises",
     )
 
 
-def _reversal_text(view: View, text: Callable[[float, str], str]) -> str:
+def _reversal_text(view: View, format_value: Callable[[float, str], str]) -> str:
     bundle = view.bundle
     if len(view.units) < 2 or view.pressures[0] <= 0:
         return _TEXTS["one unit"]
@@ -194,9 +195,9 @@ def _reversal_text(view: View, text: Callable[[float, str], str]) -> str:
     push = -float(bundle.unit_forces(view.pressures, reach, view.resistance)[1])
     effect = "resists" if reach < before and push > 0 else "reaches"
     return f"{_TEXTS['vented']} {_TEXTS[effect]}".format(
-        first=text(first, "pressure"),
-        second=text(second, "pressure"),
-        before=text(before, "strain"),
-        reach=text(reach, "strain"),
-        push=text(push, "force"),
+        first=format_value(first, "pressure"),
+        second=format_value(second, "pressure"),
+        before=format_value(before, "strain"),
+        reach=format_value(reach, "strain"),
+        push=format_value(push, "force"),
     )

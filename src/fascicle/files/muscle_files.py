@@ -109,8 +109,8 @@ def dumps(obj: Any, calibration: Mapping[str, Any] | None = None) -> str:
     return text if calibration is None else f"{text}\n{calibration_text(calibration)}"
 
 
-def calibration_text(calibration: Mapping[str, Any]) -> str:
-    """TOML of a `[calibration]`, with its tables last; see `dumps` for its contents."""
+def calibration_text(entries: Mapping[str, Any]) -> str:
+    """TOML of a `[calibration]` with these `entries`, as of `dumps`; its tables are last."""
     import tomlkit
 
     def plain(value: Any) -> Any:
@@ -120,7 +120,7 @@ def calibration_text(calibration: Mapping[str, Any]) -> str:
             raise InvalidInputError(_CALIBRATION, rule, value, shown=f"a {type(value).__name__}")
         return value.tolist()
 
-    table = json.loads(json.dumps(dict(calibration), default=plain))
+    table = json.loads(json.dumps(dict(entries), default=plain))
     return tomlkit.dumps({_CALIBRATION: table})
 
 

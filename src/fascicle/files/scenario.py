@@ -278,19 +278,19 @@ def _class(name: str, part: _Part, table: Mapping[str, Any], location: FileLocat
 
 class ScenarioControl(NamedTuple):
     """A `controller` with its demand at each step, the `reference` [SI]; its `policy` and other
-    `options`; `no_crossing`: why `hand_over` acts as `threshold`, if it does.
+    `options`; `hand_over_obstacle`: why units can't hand over without a dip, if they can't.
     """
 
     controller: "Cascade"
     reference: np.ndarray
     policy: str
     options: Mapping[str, Any]
-    no_crossing: Finding | None = None
+    hand_over_obstacle: Finding | None = None
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """Findings on the crossing and the controller's gains."""
-        return (*filter(None, [self.no_crossing]), *self.controller.findings)
+        """Why units can't hand over without a dip, if so; and findings on the gains."""
+        return (*filter(None, [self.hand_over_obstacle]), *self.controller.findings)
 
 
 def _controlled(

@@ -270,6 +270,7 @@ def _uncertainty(
     folder: Path,
     probability: float,
 ) -> Uncertainty:
+    """Uncertainty of designs from `[scatter]`, and from the fits of calibrated muscles."""
     others = {"enabled", "draws", "calibrated"}
     deviations = section.model_dump(exclude_none=True, exclude=others)
     usual, basis = attrs.asdict(USUAL_SCATTER), Uncertainty.basis

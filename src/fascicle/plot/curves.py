@@ -291,6 +291,7 @@ def free_strain_states(
         eps = np.asarray(strains)[mask][first]
 
         def free_strain_at(values: np.ndarray, state: np.ndarray = state) -> np.ndarray:
+            """Free strain [-]; varied unit at `values` [Pa], the others at `state` [Pa]."""
             if isinstance(system, Muscle):
                 return np.asarray(system.free_strain(values))
             points = np.insert(np.tile(state, (len(values), 1)), unit, values, axis=1)

@@ -57,9 +57,9 @@ class Outline:
 def outlines(
     muscle: Muscle, pressures: Any, strains: Any, collapse_strains: Any = None
 ) -> list[Outline]:
-    """Outline of `muscle` at each pair of `pressures` [Pa] and `strains` [-].
+    """Outlines to draw of a `muscle`, one at each pair of `pressures` [Pa] and `strains` [-].
 
-    Without `collapse_strains` [-] at those pressures, they are computed.
+    `collapse_strains`: at those pressures [-], past which it is creased; computed by default.
     """
     P = np.asarray(to_si(pressures, "pressures", "Pa"), float)
     eps = np.asarray(to_si(strains, "strain", "-"), float)

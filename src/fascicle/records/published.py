@@ -24,7 +24,7 @@ _Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 
 
 def _check_encoding(text: str) -> str:
-    """Refuse text that no file in UTF-8 can hold, before any work on the record."""
+    """The `text`, if UTF-8 can hold it; else `ValueError`, before any work on the record."""
     try:
         text.encode()
     except UnicodeEncodeError as error:

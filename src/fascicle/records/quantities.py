@@ -74,7 +74,7 @@ def is_flag_of_ways(texts: Iterable[str]) -> bool:
 
 @dataclass(eq=False)
 class Readings:
-    """Rows of a `table` and their quantities, which the methods `read_…` set in their order.
+    """Rows of a `table` and their quantities, which `convert` sets.
 
     - `columns`: that were read, by role.
     - `cells`: by role, and by the file's line of each row: numbers in the units of the columns,
@@ -146,14 +146,14 @@ class Readings:
 
     def convert(self, rest_length: float) -> None:
         """Set pressure, force and contraction, and check them; `rest_length` [m]."""
-        self.read_joint()
-        self.read_force()
-        self.read_pressure()
-        self.read_strain(rest_length)
+        self.complete_joint()
+        self.set_force()
+        self.set_pressure()
+        self.set_strain(rest_length)
         self.check_pull()
         self.check_atmosphere()
 
-    def read_joint(self) -> None:
+    def complete_joint(self) -> None:
         """Complete torques by the moment arm [m], and angles by the shortening from rest [m]."""
         columns, is_angle = self.columns, self.position.role == "angle"
         if not is_angle and "torque" not in columns:
@@ -198,8 +198,8 @@ class Readings:
             self.cells = self.cells.loc[usable]
             self.findings += short_arms
 
-    def read_force(self) -> None:
-        """Pulling force [N], from a column of forces or torques."""
+    def set_force(self) -> None:
+        """Set the pulling `force` [N], from a column of forces or torques."""
         if "force" in self.columns:
             force = self.si("force") - (self.info.force_at_rest or 0.0)
         else:
@@ -207,8 +207,8 @@ class Readings:
             force = torque / self.si("moment_arm")
         self.force = force * (self.info.signs.sign("force") or 1)
 
-    def read_pressure(self) -> None:
-        """Gauge pressure [Pa], noise below zero set to zero; refuses what no muscle has."""
+    def set_pressure(self) -> None:
+        """Set and check the gauge `pressure` [Pa], with noise below zero as zero."""
         column, raw, info = self.columns["pressure"], self.raw("pressure"), self.info
         zero = (info.pressure_at_rest or 0.0) + (info.atmosphere or 0.0) * column.absolute
         pressure = self.si("pressure") - zero
@@ -254,8 +254,8 @@ class Readings:
             suggestion = _suggest_unit(column, raw[row], area / _MAX_AREA)
             raise self.cell_error(row, column, f"{rule} of cross section{suggestion}")
 
-    def read_strain(self, rest_length: float) -> None:
-        """Contraction [-], from strains, displacements, lengths or angles; `rest_length` [m]."""
+    def set_strain(self, rest_length: float) -> None:
+        """Set and check `strain` [-], from positions of any kind; `rest_length` [m]."""
         column, info = self.position, self.info
         values = self.si(column.role)
         direction = info.signs.sign(column.role) or info.signs.sign("strain")

@@ -273,7 +273,7 @@ def _read_columns(table: Table, info: Sidecar) -> Readings:
     if info.resample is None:
         _read_cells(readings, rows)
     else:
-        _resample(readings, rows, info.resample)
+        _read_resampled(readings, rows, info.resample)
     for role, value in info.constants.items():
         readings.cells[role], columns[role] = value, Column(role, -1, role, si_unit(role))
     if info.constants:
@@ -351,8 +351,8 @@ def _check_clocks(table: Table, clocks: list[int], rows: tuple[int, int] | None)
             raise MissingMetadataError(f"{table.where}: {rule}: {remedy}", *choices)
 
 
-def _resample(readings: Readings, rows: tuple[int, int] | None, step: float) -> None:
-    """Read the columns of numbers, interpolated on one clock with a `step` [s]."""
+def _read_resampled(readings: Readings, rows: tuple[int, int] | None, step: float) -> None:
+    """Fill `readings`, interpolated to one clock of `step` [s]; `rows`: first and last to read."""
     import pandas as pd
 
     table, numbers = readings.table, _numeric(readings.columns)

@@ -28,8 +28,8 @@ from ..calibrate.readings import (
     NO_PRESSURE,
     Readings,
     invert_force,
-    pulling_force,
     static_force,
+    tension_force,
     without_tuning,
 )
 from ..core.validation import HIGHEST_PRESSURE
@@ -216,7 +216,7 @@ def _curve_forces(calibration: Calibration, strain: np.ndarray) -> np.ndarray:
     strain = strain * calibration.strain_scale
     if not calibration.problem.pulls:
         return static_force(muscle, P, strain)
-    force = pulling_force(muscle, P, strain)
+    force = tension_force(muscle, P, strain)
     # up to the first point past the free strain, so that the line meets the axis
     end = np.argmax(force < 0, axis=1)[:, None]
     past = (np.arange(force.shape[1]) > end) & np.any(force < 0, axis=1)[:, None]

@@ -271,7 +271,7 @@ def cases_table(summary: Summary, limit: int) -> Table:
 
 
 def facts(answer: Answer) -> dict[str, str]:
-    """Facts on a design besides its load cases, by topic."""
+    """A line of text on a design for each topic, such as its size, mass or price."""
     summary, result = answer.summary, answer.result
     cases, product, catalog = summary.cases, summary.product, result.catalog
     stroke, fluid = cases.task.stroke_of(cases.length), cases.task.fluid

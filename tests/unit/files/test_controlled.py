@@ -57,9 +57,9 @@ def test_shipped_controlled_scenarios_are_complete():
 def test_hand_over_without_a_crossing_is_threshold():
     read = loads_scenario(RAMP.replace('time = "2 s"', 'time = "0.1 s"', 1))
     assert read.control.policy == "hand_over"
-    assert read.control.no_crossing.code == "crossing.valves_too_slow"
+    assert read.control.hand_over_obstacle.code == "crossing.valves_too_slow"
     plain, other = read.with_policy("threshold").control, read.control.controller
-    assert plain.no_crossing is None
+    assert plain.hand_over_obstacle is None
     assert jax.tree.structure(plain.controller.policies) == jax.tree.structure(other.policies)
     assert jax.tree.leaves(plain.controller.policies) == jax.tree.leaves(other.policies)
-    assert loads_scenario(RAMP).control.no_crossing is None
+    assert loads_scenario(RAMP).control.hand_over_obstacle is None
