@@ -1,20 +1,21 @@
 r"""Delay and lag of a valve from its step response, and the margins of a pressure loop.
 
 A valve is opened at $t_0$. Its spool follows with the lag $\tau_v$, and all is seen late by the
-delay $\theta$. The flow is proportional to the opening, so the pressure is a function of the sum of
-the opening, whatever its course was,
+delay $\theta$. With a share $\varphi$ of its final flow at a share of its travel, the pressure is a
+function of the sum of the flow's share, whatever its course was,
 
-$$P = \Phi(c\, s), \qquad
-  s = u - \tau_v \left(1 - e^{-u/\tau_v}\right), \qquad u = \max(t - t_0 - \theta, 0), \tag{K7}$$
+$$P = \Phi(c\, s), \qquad s = \int_0^u \varphi\left(1 - e^{-u'/\tau_v}\right) \mathrm{d}u',
+  \qquad u = \max(t - t_0 - \theta, 0), \tag{K7}$$
 
-and the plant's chamber and valve, opened by $c$ at once, give $\Phi$. Exact for an isothermal gas
-and a liquid, it misses only what heat flows while the spool moves. Delay, lag, the first pressure,
-and $c$, which is the command and what the valve lets pass beyond the plant's, are fitted by least
-squares. Residuals of a plant that differs from the bench are alike from sample
-to sample. So many count as fewer, $n (1 - \rho)/(1 + \rho)$ with their autocorrelation $\rho$
-(Bayley and Hammersley, 1946). What delay and lag change by if $c$ may vary along the way,
-$c\,(1 + a s)$, is added to their standard errors, and $\Delta t/\sqrt{12}$, as no record shows
-what happens between its samples.
+and the plant's chamber and valve, opened by the command at once, give $\Phi$. Without a hose the
+flow is proportional to the opening, $\varphi(x) = x$: exact for an isothermal gas and a liquid, it
+misses only what heat flows while the spool moves. A hose's $\varphi$ is the plant's at the first
+pressure, which hardly changes while the spool moves. Delay, lag, the first pressure, and $c$, what
+the valve lets pass over the plant's, are fitted by least squares. Residuals of a plant that differs
+from the bench are alike from sample to sample. So many count as fewer, $n (1 - \rho)/(1 + \rho)$
+with their autocorrelation $\rho$ (Bayley and Hammersley, 1946). What delay and lag change by if $c$
+may vary along the way, $c\,(1 + a s)$, is added to their standard errors, and $\Delta t/\sqrt{12}$,
+as no record shows what happens between its samples.
 
 The pressure loop (K3) is an integrator with that lag and delay,
 
@@ -31,6 +32,7 @@ import itertools
 from typing import NamedTuple
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import brentq, least_squares
 
 from ..core.errors import InvalidInputError
@@ -49,6 +51,7 @@ _LONGEST = 10  # times the record's time, if the valve lets pass as much less th
 _SHARE = 0.8  # of the pressure's change: the slow end tells nothing of the spool
 _UNSURE = 0.1  # of delay and lag together: margins of a loop change by as much
 _TWO_SIDED = 2.0  # standard errors, within which 95 % of estimates lie
+_TRAVEL = np.linspace(0.0, 20.0, 2001)  # time over lag: at its end a spool is open to 2e-9
 _BEYOND = 1.2  # times the change of a record, up to which a curve goes
 # first guesses, of the record's time: closer where a valve's times usually are
 _GUESSES = (0.005, 0.02, 0.05, 0.1, 0.2, 0.3, 0.45)
@@ -130,24 +133,24 @@ def identify(
     # the first sample of most of the change, and no fewer than are needed
     end = max(int(np.argmax(change >= _SHARE * change.max())) + 1, first + _LEAST)
     q = plant.load.motion_at(0.0, float(check_finite(position, "position", "SI")), 0.0)[0]
-    opening, filling = abs(float(z[first])), bool(z[first] > 0)
+    opening, filling = float(z[first]), bool(z[first] > 0)
     start = max(start, 0.0)
     if start >= plant.supply_pressure if filling else start <= 0:
         rule = "must begin below the supply's" if filling else "must begin above the room's"
         raise InvalidInputError("pressure", f"{rule} for this step", start, shown=f"{start:g} Pa")
     rows = t[:end] - t[first], P[:end]
-    chamber = plant, unit - 1, float(q), start, filling
-    # heat flows in time, so that the curve depends on the opening, by little
-    _, opening = _fit(*rows, _chamber_curve(*chamber, opening, *rows), opening, bends=0)
-    curve = _chamber_curve(*chamber, opening, *rows)
-    (best, _), (other, _) = (_fit(*rows, curve, opening, bends) for bends in (0, 1))
+    chamber = plant, unit - 1, float(q), start, opening
+    # heat flows in time, so that the curve depends on the valve's size, by little
+    _, size = _fit(*rows, _chamber_curve(*chamber, 1.0, *rows), 1.0, bends=0)
+    curve = _chamber_curve(*chamber, size, *rows)
+    (best, _), (other, _) = (_fit(*rows, curve, size, bends) for bends in (0, 1))
     sample = float(np.median(np.diff(t)))
     misfit = np.array([best.delay - other.delay, best.lag - other.lag])
     errors = np.array([best.delay_error, best.lag_error])
     errors = np.sqrt(errors**2 + misfit**2 + sample**2 / 12)
     doubt = _TWO_SIDED * float(np.max(errors))
-    # written so that a doubt that isn't a number is one as well; a sample's delay hardly matters
-    if not doubt <= max(_UNSURE * best.lateness, sample):
+    # written so that a doubt that isn't a number is one as well
+    if not doubt <= _UNSURE * best.lateness:
         rule = f"must tell delay and lag apart, each within {100 * _UNSURE:.0f} % of their sum"
         remedy = "record faster, or with less noise, from a pressure at which `plant` is right"
         text = f"an uncertainty of {1e3 * doubt:.3g} ms of {1e3 * best.lateness:.3g} ms"
@@ -156,10 +159,13 @@ def identify(
 
 
 class _Curve(NamedTuple):
-    """Pressures in a chamber [Pa] after each of the `sums` of its valve's opening [s]."""
+    """Pressures in a chamber [Pa] after each of the `sums` of its flow's share [s]; `shares`: that
+    sum over the spool's lag, after each time of `_TRAVEL` [-].
+    """
 
     sums: Numbers
     pressures: Numbers
+    shares: Numbers
 
 
 def _chamber_curve(
@@ -167,55 +173,62 @@ def _chamber_curve(
     index: int,
     position: float,
     start: float,
-    filling: bool,
     opening: float,
+    size: float,
     elapsed: Numbers,
     pressure: Numbers,
 ) -> _Curve:
     """Pressures in the chamber of a `plant`'s unit of an `index`, with the load at a `position`
     [SI], from a pressure `start` [Pa] to beyond a record's last `pressure` [Pa], by Heun's method
-    in steps of its `elapsed` time [s], with the valve at an `opening` [-], also beyond one.
+    in steps of its `elapsed` time [s], with the valve at an `opening` [-], negative to the room,
+    and `size` times the plant's [-].
     """
     chamber, supply, strains = plant.chamber, plant.supply.initial_state(), plant.strains(position)
     plant = with_fields(plant, spool=Direct())
     P, wide = np.zeros(plant.units), np.zeros(plant.units)
-    P[index], wide[index] = start, 1.0 if filling else -1.0
+    P[index], wide[index] = start, opening
     s, rows = plant.chambers_at(P, position), [start]
     h, target = elapsed[-1] / _STEPS, _BEYOND * abs(pressure[-1] - start)
 
     def rates(s: Numbers, P: Numbers) -> tuple[Numbers, Numbers]:
         fluid = evaluate_chambers(plant, s, strains, P)
         flows = evaluate_flows(plant, State(position, 0.0, P[:0], s, P, supply), P, wide)
-        inflow = opening * flows.mass, opening * flows.enthalpy
+        inflow = size * flows.mass, size * flows.enthalpy
         P_dot = fluid.pressure_rate(chamber.rates(s, P, *inflow, 0.0), 0.0)
         return chamber.rates(s, P, *inflow, fluid.by_pressure * P_dot), P_dot
 
     with np.errstate(all="ignore"):  # of branches that aren't taken
+        point, travels = State(position, 0.0, P[:0], s, P, supply), -np.expm1(-_TRAVEL)[:, None]
+        flow = evaluate_flows(plant, point, P, travels * wide).mass[:, index]
         while abs(rows[-1] - start) < target and len(rows) < _LONGEST * _STEPS:
             s_1, P_1 = rates(s, P)
             s_2, P_2 = rates(s + h * s_1, P + h * P_1)
             s, P = s + h / 2 * (s_1 + s_2), P + h / 2 * (P_1 + P_2)
             rows.append(float(P[index]))
-    return _Curve(opening * h * np.arange(len(rows)), np.array(rows))
+    shares = cumulative_trapezoid(flow / flow[-1], _TRAVEL, initial=0.0)
+    return _Curve(size * h * np.arange(len(rows)), np.array(rows), shares)
 
 
 def _fit(
-    elapsed: Numbers, pressure: Numbers, curve: _Curve, opening: float, bends: int
+    elapsed: Numbers, pressure: Numbers, curve: _Curve, size: float, bends: int
 ) -> tuple[StepResponse, float]:
-    """Fit (K7) with a chamber's `curve` [Pa] to a `pressure` [Pa] at times since a step to an
-    `opening` [-]: the response, and $c$ [-], which varies along the way with one of `bends`.
+    """Fit (K7) with a chamber's `curve` [Pa] to a `pressure` [Pa] at times since a step, from
+    a guess of the valve's `size` [-]: the response, and $c$ [-], which varies along the way with
+    one of `bends`.
     """
     span = float(elapsed[-1])
     scale = max(float(np.ptp(pressure)), 1.0)
 
     def residuals(values: np.ndarray) -> np.ndarray:
-        delay, lag, offset, size, *bend = values
+        delay, lag, offset, log_size, *bend = values
         u, lag = np.maximum(elapsed - delay * span, 0.0), max(lag, 1e-9) * span
-        s = u + lag * np.expm1(-u / lag)
-        opened = np.exp(size) * s * (1 + sum(bend) * s / span)
-        return (np.interp(opened, *curve) - pressure) / scale + offset
+        # beyond the spool's travel the valve is open
+        s = lag * np.interp(u / lag, _TRAVEL, curve.shares)
+        s += np.maximum(u - lag * _TRAVEL[-1], 0.0)
+        opened = np.exp(log_size) * s * (1 + sum(bend) * s / span)
+        return (np.interp(opened, curve.sums, curve.pressures) - pressure) / scale + offset
 
-    sizes = np.log(opening) + np.log([0.5, 1.0, 2.0])
+    sizes = np.log(size) + np.log([0.5, 1.0, 2.0])
     guesses = [np.array(row) for row in itertools.product(_GUESSES, _GUESSES, [0.0], sizes)]
     guess = min(guesses, key=lambda values: float(np.sum(residuals(values) ** 2)))
     guess = np.append(guess, np.zeros(bends))

@@ -87,6 +87,26 @@ def test_a_plants_valve_is_identified(step, begin, command):
             assert max(found.delay_error, found.lag_error) < 1.5e-3
 
 
+@pytest.mark.parametrize("command", [0.1, 0.3, 0.6, 1.0, -0.3])
+def test_a_valve_behind_a_hose_is_identified(plant_of, pair, command):
+    plant = plant_of(pair, 0.1, spool=fluid.Servovalve(8e-3, dead_time=10e-3))
+    line = fluid.Line(length=3.0, diameter=4e-3)
+    valve = fluid.SonicValve(C=[2e-9, 6e-9], b=0.3, line=line)
+    chamber = fluid.AdiabaticWall(conductance=0.2, dead_volume=4e-5)
+    plant = with_fields(plant, chamber=chamber, valve=valve, exhaust_valve=valve)
+    commands = np.zeros((600, 2))
+    commands[100:, 0] = command
+    start = dynamics.equilibrium_state(plant, [100e3 if command > 0 else 300e3, 0.0])
+    run = dynamics.simulate(plant, commands, dt=DT, start=start, substeps=2)
+    rows = commands[:, 0], np.asarray(run.outputs.pressures)[:-1, 0]
+    found = control.identify(DT * np.arange(600), *rows, plant)
+    assert_allclose([found.delay, found.lag], [10e-3, 8e-3], atol=0.5e-3)
+    # at 100 Hz, errors can't be within a tenth of 18 ms
+    with pytest.raises(InvalidInputError) as error:
+        control.identify(DT * np.arange(0, 600, 10), *(row[::10] for row in rows), plant)
+    assert error.value.argument == "pressure"
+
+
 def test_margins_are_those_of_a_frequency_sweep(plant_of, pair):
     tau, lag, delay = 0.05, 0.02, 0.01
     w = np.geomspace(1e-1, 1e3, 400_001)
