@@ -88,7 +88,7 @@ class Consistent(AbstractPostCollapse):
 
 
 class Printed(AbstractPostCollapse):
-    """(25) as printed: a number without the right units, for comparison only."""
+    """(25) as in the text that we read, without the right units: for comparison only."""
 
     name: ClassVar[str] = "printed"
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25), as printed"
@@ -96,7 +96,7 @@ class Printed(AbstractPostCollapse):
 
     def bending_force(self, column: BucklingColumn, compression: Batch) -> tuple[Batch, Batch]:
         """$B = EI\\pi^2 L_{fs}/(4 (L_{fs} - x)^2)$, in truth a moment [N·m], counted as a force [N]
-        as in print; and its slope by $x$.
+        as in the text that we read; and its slope by $x$.
         """
         EI, L, x = column.bending_stiffness, column.free_length, compression
         B = EI * np.pi**2 * L / (4 * (L - x) ** 2)
