@@ -1,7 +1,7 @@
 r"""Collapse laws: the moment at which the buckled bladder folds for good.
 
-Three of them are one equation with a power $n$ of $r_0/t_0$: 1 as printed, which made the paper's
-figures [R8], 3 after Wood, and without pressure Brazier's, whose section ovalizes,
+Three of them are one equation with a power $n$ of $r_0/t_0$: 1 in the paper as we read it [R8],
+3 after Wood, and without pressure Brazier's, whose section ovalizes,
 
 $$M_{collapse} = \frac{2\sqrt2}{9} \pi E r_0 t_0^2
   \sqrt{\frac{1}{1 - \nu^2} + \frac{4P}{E} \Bigl(\frac{r_0}{t_0}\Bigr)^n}. \tag{17}$$
@@ -48,7 +48,7 @@ class AbstractCollapse(AbstractLaw):
 
 
 class Kim2021Collapse(AbstractCollapse):
-    """Equation (17) as printed: pressure counts with $r_0/t_0$."""
+    """Equation (17) as we read it: pressure counts with $r_0/t_0$."""
 
     name: ClassVar[str] = "kim2021"
     source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (17)"
