@@ -9,7 +9,7 @@ from ..core.errors import require
 from . import options
 from .errors import UserError, user_errors
 from .inputs import load_laws, read_target
-from .options import Texts, argument, option
+from .options import Text, Texts, argument, option
 from .outputs import result_folder
 from .terminal import print_line
 
@@ -58,7 +58,7 @@ def reproduce(
         "Paper: kim2021; or measurements: every available record against every law.",
         autocompletion=lambda: _PAPERS,
     ),
-    out: options.OutFolder = None,
+    out: Text = option("Folder of results; default: out/PAPER.", "FOLDER", "--out -o"),
     overwrite: options.Overwrite = False,
 ) -> int:
     """Reproduce the figures and check the claims of a paper.

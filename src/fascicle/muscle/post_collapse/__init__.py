@@ -6,8 +6,8 @@ $M_h = 2\theta_r k_r$ a constant, so that its force is $M_h/\sqrt{x (L_{fs} - x)
 
 $$F_c = B(x) + \frac{M_h}{\sqrt{x (L_{fs} - x)}}. \tag{25}$$
 
-The first term, the halves' bending, has the units of a moment in print; three readings
-$B$ are offered by name [R10]. The muscle goes over to it at the rate $\beta$,
+The first term, the halves' bending, has the unit of a moment in the text that we read; three
+readings $B$ are offered by name [R10]. The muscle goes over to it at the rate $\beta$,
 
 $$F = -F_c + (F(\varepsilon_c) + F_c) e^{-\beta (\varepsilon - \varepsilon_c)}. \tag{26}$$
 
@@ -91,7 +91,7 @@ class Printed(AbstractPostCollapse):
     """(25) as in the text that we read, without the right units: for comparison only."""
 
     name: ClassVar[str] = "printed"
-    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25), as printed"
+    source: ClassVar[str] = "Kim, Mazzoleni and Bryant (2021), (25), as in the text that we read"
     slope_factor: ClassVar[float] = 1.0
 
     def bending_force(self, column: BucklingColumn, compression: Batch) -> tuple[Batch, Batch]:
