@@ -172,14 +172,16 @@ def _print_measured(as_json: bool) -> None:
             "-" if x is None else number(factor * float(x), decimals)
             for x, (factor, decimals) in zip(numbers, columns.values(), strict=True)
         ]
-        rows.append([entry.name, *texts, entry.basis, entry.license.partition(";")[0]])
+        readings = "-" if entry.record is None else str(entry.record.force.size)
+        rows.append([entry.name, *texts, readings, entry.basis, entry.license.partition(";")[0]])
     caption = (
         "pressure, contraction: largest measured values; error: root mean square, in N and in % of"
-        " the largest force; basis: whose fit it is, published or of `fascicle calibrate` (fit); -:"
-        " not published. Every command takes a muscle by its name; `fascicle muscles NAME` prints"
-        " it with its source."
+        " the largest force; readings: how many the entry holds; basis: whose fit it is, published"
+        " or of `fascicle calibrate` (fit); -: not published. Every command takes a muscle by its"
+        " name; `fascicle muscles NAME` prints it with its source."
     )
-    print_table("Measured muscles", ["name", *columns, "basis", "license"], rows, caption)
+    heads = ["name", *columns, "readings", "basis", "license"]
+    print_table("Measured muscles", heads, rows, caption)
 
 
 def laws(
