@@ -79,14 +79,22 @@ def _positive(name: str, dimension: str, about: str, path: str, start: float = 0
 
 
 def _declared(constant: Constant, kind: str, about: str) -> Parameter:
-    """A constant declared by a `kind` of law, or by the material."""
+    """A constant declared by a `kind` of law, or by the material; at a bound from there on."""
     path, scale = f"{kind}.{constant.name}", constant.transform
     value = attrgetter(path)
     assert scale is not None
+    least, _, _, largest = constant.bounds
+
+    def put(muscle: Muscle, z: Batch) -> Muscle:
+        new = scale.value(z)
+        # the ends belong to the inside: a fit that begins at one has a slope there
+        new = where(new >= least, where(new <= largest, new, largest), least)
+        return _with_value(muscle, path, new)
+
     return Parameter(
         constant.name, constant.dimension, about, value,
         coordinate=lambda muscle: scale.coordinate(value(muscle)),
-        put=lambda muscle, z: _with_value(muscle, path, scale.value(z)),
+        put=put,
         linear=scale.even,
     )  # fmt: skip
 

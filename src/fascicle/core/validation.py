@@ -265,7 +265,7 @@ def check_plausible(value: Batch, name: str, limits: Range | None = None) -> Bat
     unit, smallest, low, high, largest = RANGES[name] if limits is None else limits
     if (isinstance(value, float) and low <= value <= high) or not is_concrete(value):
         return value
-    closed, remedy = (True, True), "check its unit"
+    closed, remedy = (True, True), "" if unit == "-" else "check its unit"
     x = np.asarray(check_interval(value, smallest, largest, name, unit, "", closed, remedy))
     usual = (x >= low) & (x <= high)
     if not np.all(usual):

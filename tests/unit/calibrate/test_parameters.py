@@ -1,3 +1,5 @@
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -5,9 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fascicle as fs
+from fascicle.calibrate import fit
 from fascicle.calibrate.parameters import PARAMETERS, coordinates, put, select_parameters
 from fascicle.calibrate.parameters import values as values_of
-from fascicle.muscle.tension import TENSION_LAWS
+from fascicle.muscle.tension import TENSION_LAWS, Meller2014
+from fascicle.records.record import Record
 
 
 TUNING = fs.Tuning(
@@ -124,15 +128,27 @@ def test_a_tension_laws_own_constants(law, names):
     assert [one.name for one in free] == [n for n in own if n in names]
     z = coordinates(free, other)
     assert_allclose(values_of(free, put(free, other, z)), values_of(free, other), rtol=1e-12)
-    lowest = {one.name: one.bounds[0] for one in other.tension.constants()}
-    for one in free:
-        down, up = (one.put(other, jnp.asarray(z)) for z in (-3.0, 3.0))
-        assert_allclose(one.coordinate(up), 3.0, rtol=1e-13)
-        assert float(one.value(up)) > 0
-        # positive, zero and no farther, or of either sign
-        assert np.sign(float(one.value(down))) == np.sign(lowest[one.name])
-        if lowest[one.name] != 0:
-            assert_allclose(one.coordinate(down), -3.0, rtol=1e-13)
+    for one, constant in zip(free, other.tension.constants(), strict=True):
+        least, _, high, largest = constant.bounds
+        for z in WILD:  # the search may go beyond the bounds, the law may not
+            assert least <= one.value(one.put(other, jnp.asarray(z))) <= largest
+        usual = constant.transform.coordinate(high)
+        assert_allclose(one.coordinate(one.put(other, jnp.asarray(usual))), usual, rtol=1e-12)
+
+
+def test_a_fitted_constant_stays_within_its_bounds(monkeypatch):
+    limited = tuple(
+        dataclasses.replace(one, bounds=(0.01, 0.3, 1.0, 1.0)) for one in Meller2014.constants()
+    )
+    monkeypatch.setattr(Meller2014, "constants", lambda *_: limited)
+    muscle = fs.Muscle(*SIZES, tension=Meller2014(1.0, 1.0))
+    P, strain = np.linspace(1.5e5, 5e5, 4)[:, None], np.linspace(0.0, 0.12, 8)
+    for factor, expected in ((1.3, 1.0), (0.5, 0.5)):  # the second one leaves its bound
+        force = factor * muscle.force(P, strain)
+        record = Record.of(P, strain, force, rest_length=SIZES[0])
+        (fitted,) = fit(record, muscle, ["force_factor"], whole=False).parameters
+        assert_allclose(fitted.value, expected, rtol=1e-3)
+        assert fitted.value <= 1.0
 
 
 def test_everything_moves_and_nothing_else():
