@@ -158,7 +158,9 @@ def exempt(laws, pressure):
     return (laws["collapse"] == "stein_hedgepeth1961") & (np.asarray(pressure) == 0)
 
 
-@pytest.mark.parametrize("law", [law for laws in LAWS.values() for law in laws.values()])
+@pytest.mark.parametrize(
+    "law", [law for laws in LAWS.values() for law in laws.values()], ids=lambda law: law.name
+)
 def test_what_a_law_declares_can_be(law):
     """A default that is usual, a scale that leads back, a name that no other parameter has."""
     assert law.source
