@@ -53,7 +53,7 @@ def traces(plant: "Plant", run: "Trajectory", tracking: Tracking | None = None) 
         for unit in range(plant.units):
             # the later the thinner, so that curves on top of one another can be told apart
             width = 1.0 + 1.2 * (plant.units - 1 - unit) / max(plant.units - 1, 1)
-            ax.plot(run.time, values[:, unit], color=CYCLE[unit % len(CYCLE)], linewidth=width)
+            ax.plot(run.time, values[:, unit], linewidth=width)
         ax.axhline(0, **_ZERO)
     supply = np.asarray(run.outputs.supply_pressure) / 1e3
     pressure.plot(run.time, supply, color=BLACK, linestyle=_DASHED)

@@ -97,3 +97,9 @@ def test_a_notebooks_backend_stays_interactive(tmp_path):
         "MPLBACKEND": "module://notebook_backend", "PYTHONPATH": os.pathsep.join(paths)
     }  # fmt: skip
     subprocess.run([sys.executable, "-c", code], check=True, env=environ)
+
+
+def test_curves_without_a_color_take_the_house_colors_in_order():
+    _, ax = theme.single_axes(None)
+    curves = [ax.plot([0, 1], [0, 1])[0].get_color() for _ in theme.CYCLE]
+    assert curves == [*theme.CYCLE]
