@@ -142,9 +142,9 @@ def buckling() -> PaperFigure:
 def after_collapse() -> PaperFigure:
     """The three readings of (25), where the muscle collapses."""
     conditions = (
-        "Fig. 6's muscle. The first term of (25) has the units of a moment in print: "
-        "derived is what (24) leads to, consistent follows from halves that keep their length, "
-        "printed is the number as it stands.",
+        "Fig. 6's muscle. The first term of (25) has the unit of a moment in the text that we "
+        "read: derived is what (24) leads to, consistent follows from halves that keep their "
+        "length, printed is the number as it stands.",
     )
     title = "Three readings of the force after collapse"
     names = (PAPER, "consistent", "printed")

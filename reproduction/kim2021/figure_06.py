@@ -188,13 +188,14 @@ def _range_claim(parts: Components, reach: float, names: list[str]) -> Claim:
 
 def tension_claims(parts: Components, ideal: Muscle) -> tuple[Claim, ...]:
     """Claims of section 2 on the forces `parts` [N], and on an `ideal` muscle of the mesh alone."""
-    excess = (parts.force[:, parts.strain > 0] - parts.force[:, :1]).max(axis=1)
+    past = parts.strain > 0
+    excess = parts.force[:, past] - parts.force[:, :1]
     mesh = float(np.abs(parts.mesh[0]).max())
     free = setting.array(ideal.free_strain(parts.pressure[1:]))
     return (
         claim(
             "largest_force_at_zero_strain",
-            (float(excess.max()),),
+            (float((excess / parts.strain[past]).max()),),
             f"{', '.join(f'{x:.1f}' for x in parts.force[:, 0])} N at zero strain, less at every "
             "other one."
             if excess.max() < 0

@@ -112,7 +112,7 @@ def claims(
         _stouter_claim("stouter_resists_more_with_table_1", parts, reach),
         _calm_claim(muscles, reach),
         _high_claim(muscles, reach),
-        blocked_claim(muscles),
+        blocked_claim(*at_zero_strain(muscles)),
         intercept_claim(muscles[0]),
     )
 
@@ -160,12 +160,21 @@ def _high_claim(muscles: list[Muscle], reach: float) -> Claim:
     )
 
 
-def blocked_claim(muscles: list[Muscle]) -> Claim:
-    """Claims on the blocked forces of the two `muscles` [-]."""
-    blocked = [float(m.blocked_force(PRESSURES[-1])) for m in muscles]
+def at_zero_strain(muscles: list[Muscle]) -> tuple[list[float], list[float]]:
+    """Blocked forces and bladder forces at zero strain [N] of `muscles` [-] at 137.9 kPa."""
+    P = PRESSURES[-1]
+    return (
+        [float(m.blocked_force(P)) for m in muscles],
+        [float(m.response(P, 0.0).bladder) for m in muscles],
+    )
+
+
+def blocked_claim(blocked: list[float], bladder: list[float]) -> Claim:
+    """Claims on the `blocked` forces and `bladder` forces at zero strain [N] of two muscles."""
     return claim(
         "unequal_blocked_forces",
-        (100 * abs(blocked[0] / blocked[1] - 1),),
+        (100 * abs(bladder[0] - bladder[1]) / blocked[1],),
+        f"The bladders have {abs(bladder[0]):.3f} and {abs(bladder[1]):.3f} N, the muscles "
         f"{blocked[0]:.3f} and {blocked[1]:.3f} N at 137.9 kPa.",
     )
 

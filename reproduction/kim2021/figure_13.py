@@ -189,25 +189,27 @@ def _apart_claim(strains: dict[str, np.ndarray]) -> Claim:
 
 def lone() -> tuple[float, float, float]:
     """Free strain of 1 + 1 with unit 2 inactive, and of one muscle alone [-], at unit 1's pressure;
-    and the largest force of the bundle over that of the muscle, strain by strain up to there [N].
+    and the largest force of the bundle over that of the muscle, per strain up to there [N]. At rest
+    the forces are equal: the inactive unit has none.
     """
     muscle = setting.muscle("slenderness_10")
     alone = float(muscle.free_strain(setting.UNIT_1))
     strain = np.linspace(0.0, alone, 101)[1:]
     together = pair(muscle).force([setting.UNIT_1, 0.0], strain)
     gain = setting.array(together) - setting.array(muscle.force(setting.UNIT_1, strain))
-    return turning().initial, alone, float(gain.max())
+    return turning().initial, alone, float((gain / strain).max())
 
 
 def lone_claim(bundle: float, alone: float, gain: float) -> Claim:
     """Claims on a bundle beside one muscle: free strains of the `bundle` and of one
-    `alone` [-], and the largest `gain` of force [N].
+    `alone` [-], and the largest `gain` of force per strain [N].
     """
     return claim(
         "bundle_below_a_single_muscle",
         (over(bundle, alone), gain),
         f"At {setting.UNIT_1 / 1e3:g} kPa the free strain is {bundle:.4f} in 1 + 1 and "
-        f"{alone:.4f} alone; at no strain is the force less than {-gain:.2g} N lower.",
+        f"{alone:.4f} alone. At rest the forces are equal"
+        + ("; at every strain past it that of 1 + 1 is lower." if gain < 0 else "."),
     )
 
 

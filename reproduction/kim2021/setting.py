@@ -73,7 +73,7 @@ READINGS: Mapping[str, PaperReading] = MappingProxyType({
     "wood1958": _by_law("if (17) has the cube of r₀/t₀ [R8]", collapse="wood1958"),
     "consistent": _by_law("if the halves keep their length after collapse [R10]",
                           post_collapse="consistent"),
-    "printed": _by_law("if (25) stands as in print [R10]", post_collapse="printed"),
+    "printed": _by_law("if (25) stands as in the text that we read [R10]", post_collapse="printed"),
     "softest": PaperReading("if the free strain of 0.24 is 0.245: 0.69 times latex [R3]",
                             partial(_with_latex, 0.69)),
     "stiffest": PaperReading("if the free strain of 0.24 is 0.235: 0.82 times latex [R3]",

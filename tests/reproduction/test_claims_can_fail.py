@@ -269,7 +269,6 @@ def test_what_differs_would_hold_in_another_model():
     strain, one, four = np.linspace(0.01, 0.2, 9), np.full(9, -2.0), np.full(9, -1.0)
     assert figure_10.slender_claim(strain, one, four).verdict == "holds"
     assert figure_10.slender_claim(strain, four, one).verdict == "differs"
-    muscles = [setting.muscle(name) for name in figure_12.NAMES]
-    assert figure_12.blocked_claim(muscles).verdict == "differs"
-    muscles[0] = _at(muscles[0], "c2", 0.9)
-    assert figure_12.blocked_claim(muscles).verdict == "holds"
+    blocked, bladder = figure_12.at_zero_strain([setting.muscle(name) for name in figure_12.NAMES])
+    assert figure_12.blocked_claim(blocked, bladder).verdict == "differs"
+    assert figure_12.blocked_claim(blocked, [-1.0, 0.0]).verdict == "holds"
