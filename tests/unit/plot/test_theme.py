@@ -9,7 +9,7 @@ import pytest
 from fascicle import plot
 from fascicle.core.errors import InvalidInputError
 from fascicle.files import example
-from fascicle.plot.theme import in_kilopascals, new_figure
+from fascicle.plot.theme import CYCLE, in_kilopascals, new_figure
 
 
 MUSCLE = example("kim2021_figure_6")
@@ -100,6 +100,6 @@ def test_a_notebooks_backend_stays_interactive(tmp_path):
 
 
 def test_curves_without_a_color_take_the_house_colors_in_order():
-    _, ax = theme.single_axes(None)
-    curves = [ax.plot([0, 1], [0, 1])[0].get_color() for _ in theme.CYCLE]
-    assert curves == [*theme.CYCLE]
+    _, axes = new_figure()
+    curves = [axes[0, 0].plot([0, 1])[0].get_color() for _ in CYCLE]
+    assert curves == [*CYCLE]
