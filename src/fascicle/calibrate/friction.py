@@ -78,7 +78,8 @@ def fit_friction(record: Record, length: float) -> Friction | None:
     if not levels:
         return None
     # readings of several files may lie at one strain
-    step = float(np.median([np.median(np.diff(np.unique(level[1]))) for level in levels]))
+    steps = [np.diff(np.unique(level[1])).astype(float) for level in levels]
+    step = float(np.median([np.median(x) for x in steps]))
     loops = np.concatenate(levels, axis=1)
     # at a turn both branches are one reading
     loops = loops[:, np.minimum(loops[1], loops[2]) > step / 2]
