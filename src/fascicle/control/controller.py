@@ -27,8 +27,15 @@ that it needs, with the mean delay of pulses in $\theta$,
 $$\tau \ge 2 \left(\tau_v + \theta + \Delta t\right): \tag{K3a}$$
 
 damped by $\sqrt{1/2}$ where the valve alone is late, a phase margin of 61° where the measurement
-alone is. Integrals stand still while no unit can give more in their direction. Each bundle of a
-joint gets half of the moment, over its pulley's radius, and a `co_contraction` on top.
+alone is. Pressures that follow with $\tau$ hold the force, so that muscles of the stiffness $K$ at
+constant pressures resist motion like a damper $K \tau$. With a load's damping $c$ the position's
+loop is $M \tau s^3 + (M + c \tau) s^2 + (c + k_d + K \tau) s + k_p$, stable by Routh if
+
+$$k_p < K + \frac{c + k_d}{\tau}; \tag{K3b}$$
+
+$c (c + k_d + K \tau)/M$ more is left as a reserve, as delays are worse than a lag. Integrals stand
+still while no unit can give more in their direction. Each bundle of a joint gets half of the
+moment, over its pulley's radius, and a `co_contraction` on top.
 
 **Sign:** as of the load's coordinate. **Source:** anti-windup by conditional integration: Åström
 and Hägglund (2006), Advanced PID Control; (K3) and (K3a) derived here, for an integrator with a lag
@@ -49,7 +56,7 @@ from ..core.findings import Finding, Severity
 from ..core.module import Module, static
 from ..core.types import Batch, Numbers, Values
 from ..core.validation import check_choice, check_interval, check_nonnegative, check_positive
-from ..dynamics import Measurement, Plant, PrescribedMotion
+from ..dynamics import Measurement, Plant, PrescribedMotion, holding_pressures
 from ..muscle.hysteresis import AbstractHysteresis, Motion
 from .policies import POLICIES, Policy
 from .step_response import LoopMargins, loop_margins
@@ -174,6 +181,25 @@ class Cascade(Module):
             data |= {"dead_time": dead_time}
             return (Finding("control.dead_time_undeclared", Severity.WARNING, data),)
         return (Finding("control.pressure_time_short", Severity.WARNING, data),)
+
+    def demand_findings(self, reference: Values) -> tuple[Finding, ...]:
+        """Findings on the demands of a `reference` [SI] to a bundle: "control.position_gain_high",
+        beyond (K3b) at one of nine positions between its ends.
+        """
+        plant, r = self.plant, np.asarray(reference, float)
+        if len(plant.bundles) > 1 or self.of == "force":
+            return ()
+        damping = float(plant.load.damping + self.gains.velocity)
+        limits = {}
+        for q in np.linspace(r.min(), r.max(), 9):
+            slopes = plant.muscles.at(holding_pressures(plant, q), plant.strains(q)).force_by_strain
+            stiffness = -np.sum(plant.counts * plant.lengths * plant.gains**2 * slopes)
+            limits[float(stiffness) + damping / float(self.gains.pressure_time)] = float(q)
+        limit, gain = min(limits), float(self.gains.position)
+        if gain <= limit:
+            return ()
+        data = {"gain": gain, "limit": limit, "position": limits[limit]}
+        return (Finding("control.position_gain_high", Severity.WARNING, data),)
 
     @property
     def memory(self) -> CascadeMemory:

@@ -289,8 +289,9 @@ class ScenarioControl(NamedTuple):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """Why units can't hand over without a dip, if so; and findings on the gains."""
-        return (*filter(None, [self.hand_over_obstacle]), *self.controller.findings)
+        """Why units can't hand over without a dip, if so; findings on the gains and the demand."""
+        obstacle, controller = filter(None, [self.hand_over_obstacle]), self.controller
+        return (*obstacle, *controller.findings, *controller.demand_findings(self.reference))
 
 
 def _controlled(

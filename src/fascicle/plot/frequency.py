@@ -49,7 +49,9 @@ def bode(plant: "Plant", state: "State", controller: Any = None) -> Figure:
         margins = controller.margins
         gain.set_ylabel("Gain [–]")
         degrees = np.degrees(margins.phase)
-        titles.append(f"pressure loop, margins:\ngain × {margins.gain:.3g}, phase {degrees:.0f}°")
+        alone = ", not the position's" if controller.of == "position" else ""
+        margin = f"gain × {margins.gain:.3g}, phase {degrees:.0f}°"
+        titles.append(f"pressure loop{alone}, margins:\n{margin}")
     theme.letters(axes[0], titles)
     for ax in axes[1]:
         ax.set_xlabel("Frequency [Hz]")

@@ -69,6 +69,9 @@ _CATALOGUE: dict[str, Part] = {
     "control.pressure_time_short": _SWINGS + "take {stable:.4g} s, or leave it out",
     "control.dead_time_undeclared": _SWINGS + "declare the valves' dead time: `delay` of"
     " {dead_time:.4g} s",
+    "control.position_gain_high": "`position_gain` of {gain:stiffness} is too high: about a"
+    " position of {position:length} the load may swing from {limit:stiffness} on; take half"
+    " of that",
     "crossing.not_needed": _NO_CROSSING + "the units before unit {unit} can hold all of the path,"
     " at least {reserve:.4g} N are left",
     "crossing.too_late": _NO_CROSSING + "the units before unit {unit} can't hold the path's"

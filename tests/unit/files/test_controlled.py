@@ -40,6 +40,30 @@ def test_a_position_without_a_gain_is_refused():
     assert error.value.argument == "control.position_gain"
 
 
+def held(gain: float):
+    """A scenario whose mass is lifted from 12 to 13 mm by a position's `gain` [N/m] alone."""
+    text = HUNG.replace('mass = "5 kg"', 'mass = "5 kg"\ndamping = "20 N*s/m"', 1)
+    keys = f'position_gain = "{gain} N/m"\npressure_time = "40 ms"\n'
+    text = text.replace("policy =", f"{keys}policy =", 1)
+    for time, position in ((0, 12), (0.1, 13), (4, 13)):
+        text += f'[[demand]]\ntime = "{time} s"\nposition = "{position} mm"\n'
+    return loads_scenario(text)
+
+
+def test_a_high_position_gain_is_named_before_it_swings():
+    (finding,) = held(1e6).findings
+    assert finding.code == "control.position_gain_high"
+    limit, swings = finding.data["limit"], []
+    for gain in (limit / 2, 2 * limit):
+        scenario = held(gain)
+        position = np.asarray(scenario.run().outputs.position)
+        middle, end = (np.ptp(x) for x in (position[1000:2000], position[3000:]))
+        swings.append(end / middle)
+        assert bool(scenario.findings) == (gain > limit)
+    # half of it settles, twice of it doesn't
+    assert swings[0] < 0.5 < swings[1]
+
+
 def test_shipped_controlled_scenarios_are_complete():
     gait = loads_scenario(example_text("joint_gait"))
     control = gait.control
