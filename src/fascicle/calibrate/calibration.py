@@ -11,7 +11,7 @@ from ..records.record import Record
 from .damping import FittedDamping, fit_damping
 from .data import FitData, Grid
 from .friction import Friction, fit_friction
-from .gauges import Gauge, default_deviations
+from .gauges import Gauge, default_deviations, strain_scale
 from .least_squares import KNOWN, NORMAL, STATUS, Minimum, Problem, SearchEnds
 from .parameters import FACTOR_NAMES, GAUGE_UNITS, WEAK, Parameter, put, values
 from .readings import Readings, static_force
@@ -20,6 +20,7 @@ from .readings import Readings, static_force
 _MAJORITY = 0.5  # of the trends' squares: more lies past the free strain than before it
 _SIZES = ("length", "angle")  # dimensions of sizes
 CALIPERS = 0.1  # of a size: an error that no measurement with calipers makes
+RULER = 0.02  # of the distance of the fittings: the error of a ruler, generously
 _SLOPE_STEP = 1e-6  # of a coordinate: rounding and curvature are both below 1e-9 of the slope
 
 
@@ -201,7 +202,7 @@ class Calibration:
     @property
     def strain_scale(self) -> float:
         """Contraction of the fitted muscle over the record's strain [-]."""
-        return self.length / float(self.muscle.length)
+        return strain_scale(self.record, self.muscle)
 
     @property
     def grid(self) -> Grid:

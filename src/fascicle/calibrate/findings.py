@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.findings import Finding, Severity
 from ..records.record import DOWN, UP
-from .calibration import Calibration, rms
+from .calibration import RULER, Calibration, rms
 from .gauges import PERFECT, drift_confounders
 from .model_selection import Selection
 
@@ -183,6 +183,9 @@ def _of_use(calibration: Calibration) -> Iterator[Finding]:
     if "active_length" in calibration.names:
         length, reference = float(calibration.muscle.length), calibration.record.rest_length
         yield _note("use.fitted_length", length=length, reference=reference)
+    elif calibration.start.fitted_length is None and abs(calibration.strain_scale - 1) > RULER:
+        lengths = {"length": float(calibration.muscle.length), "reference": calibration.length}
+        yield _warning("use.other_length", **lengths)
     for estimate, nominal in calibration.other_sizes:
         data = {"dimension": estimate.dimension, "value": estimate.value}
         yield _warning("use.other_size", constant=estimate.name, nominal=nominal, **data)

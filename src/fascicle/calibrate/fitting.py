@@ -23,7 +23,7 @@ from ..records.record import DOWN, UP, Record
 from .calibration import Calibration
 from .data import FitData, Grid, pulling_only, select_fit_data
 from .diagnostics import diagnose
-from .gauges import GAUGE_NAMES, Gauge, default_deviations
+from .gauges import GAUGE_NAMES, Gauge, default_deviations, strain_scale
 from .least_squares import (
     FIRST_NOISE,
     LOSSES,
@@ -263,9 +263,7 @@ def _with_corrected_readings(data: FitData, solution: Solution) -> tuple[FitData
 
 def on_length(data: FitData, muscle: Muscle) -> Grid:
     """Table of `data` with strains relative to the length of the `muscle` [-]."""
-    length = float(muscle.length)
-    scale = (data.record.rest_length or length) / length
-    return replace(data.grid, strain=data.grid.strain * scale)
+    return replace(data.grid, strain=data.grid.strain * strain_scale(data.record, muscle))
 
 
 def starts_of(problem: Problem, options: FitOptions) -> np.ndarray:

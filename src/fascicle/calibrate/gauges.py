@@ -164,6 +164,12 @@ def _visits(points: np.ndarray) -> list[np.ndarray]:
     return np.split(points, np.flatnonzero(np.diff(points) > 1) + 1)
 
 
+def strain_scale(record: Record, muscle: Muscle) -> float:
+    """Contraction of a `muscle` over a `record`'s strain [-], which may refer to another length."""
+    length = float(muscle.length)
+    return (record.rest_length or length) / length
+
+
 def _read_load_cell(
     record: Record, muscle: Muscle, vented: np.ndarray
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]], np.ndarray]:
@@ -172,8 +178,7 @@ def _read_load_cell(
     the column buckles, it pushes no harder than a straight muscle: an error counts if it is clear
     with this push and without, beside half a loop's width.
     """
-    scale = 1.0 if record.rest_length is None else record.rest_length / float(muscle.length)
-    strain = np.maximum(record.strain * scale, 0.0)
+    strain = np.maximum(record.strain * strain_scale(record, muscle), 0.0)
     # a law without rubber has a wall all the same
     straight = to_numpy(muscle.replace(tension="klute_hannaford", tuning=None)).law.tension
     stiffness = abs(float(straight.force(0.0, _SMALL_STRAIN))) / _SMALL_STRAIN

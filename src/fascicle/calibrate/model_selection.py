@@ -25,7 +25,7 @@ from ..core.validation import check_choice
 from ..muscle import Muscle
 from ..muscle.materials import MooneyRivlin
 from ..records.record import Record
-from .calibration import Calibration, largest_force, rms
+from .calibration import RULER, Calibration, largest_force, rms
 from .data import MIN_PUSHES, FitData, Grid, pulling_only, select_fit_data, thin
 from .diagnostics import force_slopes_of, project_out, span
 from .fitting import (
@@ -57,7 +57,6 @@ _TOLERANCE = 0.02  # of the least left-out error beyond noise: a smaller differe
 _STANDARD_ERRORS = 1.0  # of a difference: the one-standard-error rule
 _SURE = 0.95  # probability: constants that improve a fit by less may have improved it by chance
 _OUTLIER = 3.0  # of the usual error: outliers of a robust fit count no more than that
-_RULER = 0.02  # of the distance of the fittings: the error of a ruler, generously
 _DISTINCT = 1e-3  # of a constant's effect on the force: with less it duplicates the others
 _CONTRADICTS = 3.0  # deviations of a prior: a set of constants that needs more leaves one out
 _STARTS = 2  # points to begin from: each search also begins at a neighboring candidate's end
@@ -541,7 +540,7 @@ def _length_violation(
 ) -> tuple[str, float]:
     """Code and active length [m] of a muscle longer than the distance of its fittings."""
     length, rest_length = float(fitted.length), data.record.rest_length or float(muscle.length)
-    if _ACTIVE in names and _ACTIVE not in priors and length > (1 + _RULER) * rest_length:
+    if _ACTIVE in names and _ACTIVE not in priors and length > (1 + RULER) * rest_length:
         return "length", length
     return "", float("nan")
 

@@ -10,6 +10,7 @@ import panel as pn
 
 from ..calibrate import Selection
 from ..calibrate.data import assign_levels
+from ..calibrate.gauges import strain_scale
 from ..core.errors import InvalidInputError
 from ..core.validation import HIGHEST_PRESSURE, check_positive
 from ..files.calibration_files import calibrated_text
@@ -109,20 +110,21 @@ def example_record(muscle: Muscle) -> bytes:
 
 def mismatch_reason(muscle: Muscle, record: Record) -> str:
     """Reason why a `record` doesn't suit this `muscle`; else empty."""
-    if stretched := extension_message(record.strain, lowest_strain(muscle.law)):
+    contraction = strain_scale(record, muscle) * record.strain
+    if stretched := extension_message(contraction, lowest_strain(muscle.law)):
         return stretched
     highest = float(np.clip(record.pressure.max(), 0.0, HIGHEST_PRESSURE))
     if not highest:
         return "The record has no pressure above zero: tension can't be fitted to it."
-    pulls = record.strain[record.force > _TAIL * record.force.max()]
+    pulls = contraction[record.force > _TAIL * record.force.max()]
     farthest, free = float(pulls.max(initial=0.0)), float(muscle.free_strain(highest))
     if farthest <= _PLAUSIBLE * free:
         return ""
-    length = muscle.length if record.rest_length is None else record.rest_length
+    length = record.rest_length or float(muscle.length)
     return (
         f"This record hardly fits this muscle: it pulls at a contraction of {farthest:.3g}, past"
-        f" the muscle's free strain of {free:.3g}. Contractions are taken over a rest length of"
-        f" {pretty(float(length), 'length')}: enter the record's Rest length if it differs, or open"
+        f" the muscle's free strain of {free:.3g}. The record's strains refer to a rest length of"
+        f" {pretty(length, 'length')}: enter the muscle's length and the record's, or open"
         " the muscle that was measured."
     )
 
@@ -135,7 +137,8 @@ def curves_at_levels(muscle: Muscle, record: Record) -> ModelCurves:
     pressure = np.array([record.pressure[level == number].mean() for number in drawn])
     low, high = min(0.0, float(record.strain.min())), float(record.strain.max())
     strain = np.linspace(low, max(high, low + 0.01), _POINTS)
-    force = muscle.force(np.clip(pressure, 0.0, HIGHEST_PRESSURE)[:, None], strain)
+    contraction = strain_scale(record, muscle) * strain
+    force = muscle.force(np.clip(pressure, 0.0, HIGHEST_PRESSURE)[:, None], contraction)
     return ModelCurves(pressure, strain, np.asarray(force), len(levels))
 
 
@@ -269,10 +272,15 @@ class DataView(Tab):
         self.job.run.disabled = True
         self._enable_results(False)
 
+    @property
+    def shown_record(self) -> Record | None:
+        """The record, if any; after a fit as the fit has corrected it for errors of its gauges."""
+        return self.record if self.fit is None else self.fit.selection.calibration.record
+
     def draw(self, view: View) -> None:
         self.chart.figure.yaxis[0].axis_label = f"Force F [{view.display_units['force']}]"
         self.read_inputs.show(view)
-        record, fit = self.record, self.fit
+        record, fit = self.shown_record, self.fit
         if record is None:
             return
 
@@ -283,13 +291,14 @@ class DataView(Tab):
         self._curves.request(compute)
 
     def export(self) -> Export:
-        record = self.record
+        record = self.shown_record
         if record is None:
             raise ValueError("Open a record first: there is nothing to download yet.")
         drawn, label = self.session.view.muscle, "the muscle"
         if self.fit is not None:
             drawn, label = self.fit.selection.calibration.muscle, "tuned"
-        force = drawn.force(np.clip(record.pressure, 0.0, HIGHEST_PRESSURE), record.strain)
+        contraction = strain_scale(record, drawn) * record.strain
+        force = drawn.force(np.clip(record.pressure, 0.0, HIGHEST_PRESSURE), contraction)
         reading = partial(Variable, ("reading",))
         variables = Table(
             {
@@ -375,7 +384,7 @@ class DataView(Tab):
         _, scale = self.unit("force")
         number = len(before.pressure)
         colors = pressure_colors(self.colors, number)
-        record = self.record
+        record = self.shown_record
         assert record is not None  # else nothing is drawn
         drawn = np.unique(np.linspace(0, len(record) - 1, MOST_POINTS).astype(int))
         strain, force = record.strain[drawn], record.force[drawn]

@@ -23,6 +23,7 @@ from scipy.special import stdtrit
 from ..calibrate.calibration import Calibration, Profile
 from ..calibrate.comparison import LawComparison
 from ..calibrate.data import Grid, fit_table
+from ..calibrate.gauges import strain_scale
 from ..calibrate.least_squares import NORMAL
 from ..calibrate.readings import (
     NO_PRESSURE,
@@ -193,9 +194,10 @@ def measured_with_curves(record: Record, muscle: Muscle, label: str = "the muscl
     grid = fit_table(record).grid
     P = np.clip(grid.pressure, 0.0, HIGHEST_PRESSURE)
     strain, force, curve = _plot_strains(grid)
-    errors = force - np.asarray(muscle.force(P, np.where(grid.used, strain, 0.0)))
+    scale = strain_scale(record, muscle)
+    errors = force - np.asarray(muscle.force(P, np.where(grid.used, strain * scale, 0.0)))
     residual = np.where(grid.measured, errors, np.nan)
-    curve_force = np.asarray(muscle.force(P, curve))
+    curve_force = np.asarray(muscle.force(P, curve * scale))
     return FitPlot(
         P[:, 0], strain, force, grid.censored & grid.used, residual, float(np.nanstd(residual)),
         curve, curve_force, label=label,

@@ -635,6 +635,12 @@ _CATALOGUE: dict[str, tuple[int, Part, Part]] = {
         "measure each pressure while the muscle shortens and while it lengthens"),
     "use.damping_unknown": (9, _damping_unknown, "measure each pressure at two speeds or more"),
     "use.fitted_length": (9, _fitted_length, ""),
+    "use.other_length": (
+        2, lambda data: f"The muscle is {pretty(data['length'], 'length')} long, but the record's"
+        f" strains refer to {pretty(data['reference'], 'length')}: they were multiplied by"
+        f" {data['reference'] / data['length']:.4g}.",
+        "correct the muscle's length or the record's rest length, which a record of strains doesn't"
+        " need; if the fittings are farther apart than the muscle is long, both are right"),
     "use.other_size": (
         2, _other_size, lambda data: "use {} (given {}) as this law's {}, not as a measured"
         " size".format(*(pretty(data[key], data["dimension"], 3) for key in ("value", "nominal")),

@@ -145,6 +145,18 @@ def test_sizes_that_are_not_the_muscles_are_named(noise, expected, found):
     assert (size["constant"], size["nominal"]) == ("outer_radius", MUSCLE.outer_radius)
 
 
+@pytest.mark.parametrize(("ratio", "expected"), [(1.0, False), (1.5, True)])
+def test_a_record_whose_strains_refer_to_another_length(ratio, expected, found):
+    data = sweeps([1e5, 2e5, 4e5], [0.1, 0.15, 0.2], noise=0.5)
+    length = ratio * float(MUSCLE.length)
+    data = replace(data, strain=data.strain / ratio, rest_length=length)
+    fitted = fit(data, MUSCLE, ("c10", "c01"), whole=False)
+    assert fitted.relative_rmse < 0.02
+    assert found(fitted).get("use.other_length", {}).get("reference") == (
+        length if expected else None
+    )
+
+
 def test_a_few_readings_at_one_pressure_are_no_verdict(found):
     data = sweeps([1.08e5], [0.05], points=3, noise=0.1)
     fitted = fit(data, MUSCLE, ("braid_angle", "outer_radius", "dead_band"), whole=False)

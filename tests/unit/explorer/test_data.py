@@ -15,6 +15,8 @@ from fascicle.explorer.data_tab import (
 )
 from fascicle.explorer.state import Session, view_of
 from fascicle.plot.theme import LIGHT
+from fascicle.records.record import Record
+from fascicle.report.calibration_figures import measured_with_curves
 from refusing import refuses_at
 
 
@@ -92,6 +94,15 @@ def test_readings_are_read_and_have_curves():
     assert curves.force[1] == pytest.approx(force, abs=1e-9)
 
 
+def test_curves_of_a_record_whose_strains_refer_to_another_length():
+    strain = np.linspace(0.0, 0.1, 121)
+    force = np.asarray(MUSCLE.force(2e5, 1.5 * strain))
+    record = Record.of(2e5, strain, force, rest_length=1.5 * float(MUSCLE.length))
+    curves = curves_at_levels(MUSCLE, record)
+    np.testing.assert_allclose(curves.force[0], force, atol=1e-9)
+    np.testing.assert_allclose(measured_with_curves(record, MUSCLE).residual, 0.0, atol=1e-9)
+
+
 def test_a_large_file_is_refused_with_its_limit():
     rows = HEAD + b"100,0,20\n" * (MOST_ROWS + 1)
     for raw, limit in ((b"x" * (LARGEST_FILE + 1), LARGEST_FILE), (rows, MOST_ROWS)):
@@ -161,7 +172,8 @@ def test_a_record_of_another_length_does_not_match():
     assert record.synthetic and mismatch_reason(MUSCLE, record) == ""
     assert mismatch_reason(MUSCLE, read_record(HALF, "a.csv", MUSCLE))
     long = read_record(HALF, "a.csv", MUSCLE, {"rest_length": 1.0})
-    assert mismatch_reason(MUSCLE, long) == ""
+    assert mismatch_reason(MUSCLE, long)  # the same displacements, over the muscle's own length
+    assert mismatch_reason(MUSCLE.replace(length=1.0), long) == ""
 
 
 @pytest.mark.parametrize(
