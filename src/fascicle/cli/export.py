@@ -164,6 +164,10 @@ def _read_exported(file: str, units: str | None, page: bool, plant: bool) -> Any
     if plant:
         return scenario
     if scenario.control:
+        from ..report.words import notes
+
+        for note in notes(scenario.control.findings):
+            print_line(f"note: {note}")
         return scenario.control.controller
     from ..export.controller import single_bundle
 

@@ -70,6 +70,7 @@ FASTEST = 3e-3  # s, a pressure's time constant without any lateness
 OBSERVER = 5e-3  # s: 5 kPa of noise at 1 kHz become 2; faster than any hand-over
 OF = ("force", "position")  # values of the argument `of`
 _BAND = 0.02  # of the largest unit's force at rest: more than noise
+_ROUNDED = 5e-3  # of the force a load holds: a demand in a file has three digits at least
 DAMPED = 2.0  # times all lateness in the loop, equation (K3a)
 
 
@@ -183,15 +184,28 @@ class Cascade(Module):
         return (Finding("control.pressure_time_short", Severity.WARNING, data),)
 
     def demand_findings(self, reference: Values) -> tuple[Finding, ...]:
-        """Findings on the demands of a `reference` [SI] to a bundle: "control.position_gain_high",
-        beyond (K3b) at one of nine positions between its ends.
+        """Findings on the demands of a `reference` [SI]: "control.force_not_held", a force that a
+        free load doesn't hold at rest at any position; "control.position_gain_high", beyond (K3b)
+        at one of nine positions between its ends, of one bundle.
         """
         plant, r = self.plant, np.asarray(reference, float)
-        if len(plant.bundles) > 1 or self.of == "force":
+        load, ends = plant.load, (float(r.min()), float(r.max()))
+        if self.of == "force":
+            if load.prescribed or load.stop is not None:
+                return ()
+            held = -np.asarray(load.force(np.linspace(*plant.stroke, 101)))
+            least, most = float(held.min()), float(held.max())
+            rounding = _ROUNDED * max(abs(least), abs(most))
+            if ends[0] >= least - rounding and ends[1] <= most + rounding:
+                return ()
+            data = {"least": least, "most": most, "lowest": ends[0], "highest": ends[1]}
+            data |= {"unit": "N" if load.unit == "m" else "N·m"}
+            return (Finding("control.force_not_held", Severity.WARNING, data),)
+        if len(plant.bundles) > 1:
             return ()
-        damping = float(plant.load.damping + self.gains.velocity)
+        damping = float(load.damping + self.gains.velocity)
         limits = {}
-        for q in np.linspace(r.min(), r.max(), 9):
+        for q in np.linspace(*ends, 9):
             slopes = plant.muscles.at(holding_pressures(plant, q), plant.strains(q)).force_by_strain
             stiffness = -np.sum(plant.counts * plant.lengths * plant.gains**2 * slopes)
             limits[float(stiffness) + damping / float(self.gains.pressure_time)] = float(q)

@@ -161,13 +161,16 @@ def unreachable_message(plant: "Plant", quantity: str, metrics: "ControlMetrics"
     """Sentence on unreachable demands; empty if there were none."""
     if not metrics.unreachable:
         return ""
+    where = (
+        "" if quantity == "position" or plant.load.prescribed else " where the load has moved to"
+    )
     lack = f"the force lacks up to {metrics.short:.4g} {_FORCE[plant.load.unit]}"
     if quantity == "position" and metrics.short == 0:
         lack = "they lie outside the range of the load"
     return (
         f"{metrics.unreachable} of {metrics.moments} demands, from {metrics.first:.4g} s to"
-        f" {metrics.last:.4g} s, can't be reached at the supply pressure by any policy:"
-        f" {lack}; errors and lag are those of the other demands"
+        f" {metrics.last:.4g} s, can't be reached at the supply pressure by any policy"
+        f"{where}: {lack}; errors and lag are those of the other demands"
     )
 
 

@@ -34,6 +34,18 @@ def _excluded(data: Mapping[str, Any]) -> str:
     )
 
 
+def _not_held(data: Mapping[str, Any]) -> str:
+    """Why a free load moves under a demand of force."""
+    least, most, lowest, highest = (
+        f"{data[key]:.4g} {data['unit']}" for key in ("least", "most", "lowest", "highest")
+    )
+    own = least if least == most else f"{least} to {most}"
+    return (
+        f"the load is free and holds {own} at rest: under demands from {lowest} to {highest} it"
+        " runs away; demand a position, or hold the load by a prescribed motion"
+    )
+
+
 Part = str | Callable[[Mapping[str, Any]], str]  # a format, or a function of a finding's data
 _CATALOGUE: dict[str, Part] = {
     "run.unbalanced": "the {balance} doesn't close: its residual is {residual:.1e} of its largest"
@@ -69,6 +81,7 @@ _CATALOGUE: dict[str, Part] = {
     "control.pressure_time_short": _SWINGS + "take {stable:.4g} s, or leave it out",
     "control.dead_time_undeclared": _SWINGS + "declare the valves' dead time: `delay` of"
     " {dead_time:.4g} s",
+    "control.force_not_held": _not_held,
     "control.position_gain_high": "`position_gain` of {gain:stiffness} is too high: about a"
     " position of {position:length} the load may swing from {limit:stiffness} on; take half"
     " of that",

@@ -40,6 +40,16 @@ def test_a_position_without_a_gain_is_refused():
     assert error.value.argument == "control.position_gain"
 
 
+@pytest.mark.parametrize(("mass", "codes"), [(5.0, ["control.force_not_held"]), (5.099, [])])
+def test_a_force_that_a_hanging_mass_does_not_hold_is_named(mass, codes):
+    text = HUNG.replace('mass = "5 kg"', f'mass = "{mass} kg"', 1)
+    for time in (0, 4):  # 5.099 kg weigh 50 N
+        text += f'[[demand]]\ntime = "{time} s"\nforce = "50 N"\n'
+    findings = loads_scenario(text.replace('"hand_over"', '"threshold"')).findings
+    assert [finding.code for finding in findings] == codes
+    assert all(finding.data["most"] < finding.data["highest"] for finding in findings)
+
+
 def held(gain: float):
     """A scenario whose mass is lifted from 12 to 13 mm by a position's `gain` [N/m] alone."""
     text = HUNG.replace('mass = "5 kg"', 'mass = "5 kg"\ndamping = "20 N*s/m"', 1)
