@@ -432,17 +432,24 @@ def move_finger(page, x, y, dx, dy):
 def test_a_finger_on_a_figure_scrolls_a_phones_page(phone):
     source(phone, "curve")
     wait_for_layout(phone)
-    ranges = """() => { const model = Bokeh.documents[0].get_model_by_name('curve');
-      const figure = [...Bokeh.documents[0].all_models].find(m => m.type === 'Figure'
-        && m.renderers.some(r => r.data_source === model));
-      return [figure.x_range, figure.y_range].flatMap(r => [r.start, r.end]); }"""
+    figure = """[...Bokeh.documents[0].all_models].find(m => m.type === 'Figure'
+      && m.renderers.some(r => r.data_source.name === 'curve'))"""
+    ranges = f"""() => {{ const figure = {figure};
+      return [figure.x_range, figure.y_range].flatMap(r => [r.start, r.end]); }}"""
     before, box = phone.evaluate(ranges), phone.locator(".bk-Figure").first.bounding_box()
     middle = box["x"] + box["width"] / 2, box["y"] + 0.5 * box["height"]
     move_finger(phone, *middle, 0, -200)
     until(phone, "() => scrollY > 150")
-    move_finger(phone, *middle, -120, 0)
+    move_finger(phone, *middle, 0, 0)  # a tap
+    strain = f"({SOURCE})('point').x[0]"
+    until(phone, f"() => {strain} !== 0.1")
+    start, width = phone.evaluate(f"() => [{strain}, {figure}.inner_width]")
+    move_finger(phone, *middle, -100, 0)
     assert phone.evaluate(ranges) == before
-    until(phone, f"() => ({SOURCE})('point').x[0] !== 0.1")  # it moves the point
+    # the point is where the finger left it; a pixel has a strain of 0.0015
+    until(
+        phone, f"() => Math.abs({strain} - {start - 100 / width * (before[1] - before[0])}) < 3e-3"
+    )
     phone.locator(".bk-Figure").first.tap(position={"x": 0.9 * box["width"], "y": 30})
     until(phone, f"() => ({SOURCE})('point').x[0] > 0.3")
 

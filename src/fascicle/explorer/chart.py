@@ -31,13 +31,16 @@ _VIRIDIS = {False: (0.0, 0.82), True: (0.38, 1.0)}  # part that contrasts with a
 _HOLD = """
 const drag = cb_obj.event_name.startsWith("pan");
 if (cb_obj.x == null || drag && figure.toolbar.gestures.pan.active) return;
-const now = performance.now();
-if (cb_obj.event_name === "pan" && now - (hand.last ?? 0) < 40) return;
+const now = performance.now(), kind = cb_obj.event_name;
+// a drag ends where it last was: one that the browser takes over to scroll ends at (0, 0)
+if (kind !== "panend") hand.place = {x: [cb_obj.x], y: [cb_obj.y]};
+if (kind === "pan" && now - (hand.last ?? 0) < 40) return;
 hand.last = now;
-hand.data = {x: [cb_obj.x], y: [cb_obj.y]};
+hand.data = hand.place;
 """
-# a finger moves the point sideways, and scrolls the page up and down
-_TOUCH = ".bk-events { touch-action: pan-y !important; cursor: crosshair; }"
+# a finger moves the point sideways, and scrolls the page up and down; the layer of events is in
+# another shadow tree, but a browser does only what all elements around it allow
+_TOUCH = ":host { touch-action: pan-y; }"
 # arguments of glyphs that are columns' names
 _COLUMNS: dict[str, dict[str, str]] = {
     "line": {},

@@ -34,7 +34,8 @@ _FITTING = 1.3, 1.1  # radius and depth, over the bladder's radius
 _LIFT = 9  # widths of a fiber by which it lies nearer than its middle does
 _FIBER_WIDTH = 0.0028  # half of it, over the width of the view
 _SCRIPT = Path(__file__).with_name("scene.js").read_text(encoding="utf-8")
-_FRAME = ":host { border-radius: var(--round); background: var(--raised); cursor: grab; }"
+_FRAME = """:host { border-radius: var(--round); background: var(--raised); cursor: grab;
+  touch-action: pan-y; }"""
 
 
 @dataclass(frozen=True)
