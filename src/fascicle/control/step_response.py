@@ -152,7 +152,7 @@ def identify(
     # written so that a doubt that isn't a number is one as well
     if not doubt <= _UNSURE * best.lateness:
         rule = f"must tell delay and lag apart, each within {100 * _UNSURE:.0f} % of their sum"
-        remedy = "record faster, or with less noise, from a pressure at which `plant` is right"
+        remedy = "record faster, a larger step, or with less noise, where `plant` is right"
         text = f"an uncertainty of {1e3 * doubt:.3g} ms of {1e3 * best.lateness:.3g} ms"
         raise InvalidInputError("pressure", rule, doubt, remedy, shown=text)
     return best._replace(delay_error=float(errors[0]), lag_error=float(errors[1]))

@@ -49,9 +49,8 @@ def bode(plant: "Plant", state: "State", controller: Any = None) -> Figure:
         margins = controller.margins
         gain.set_ylabel("Gain [–]")
         degrees = np.degrees(margins.phase)
-        alone = ", not the position's" if controller.of == "position" else ""
-        margin = f"gain × {margins.gain:.3g}, phase {degrees:.0f}°"
-        titles.append(f"pressure loop{alone}, margins:\n{margin}")
+        numbers = f"gain × {margins.gain:.3g}, phase {degrees:.0f}°"
+        titles.append(f"pressure loop alone, margins:\n{numbers}")
     theme.letters(axes[0], titles)
     for ax in axes[1]:
         ax.set_xlabel("Frequency [Hz]")
