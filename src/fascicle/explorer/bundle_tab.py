@@ -142,20 +142,20 @@ class FreeStrainChart:
         lines = (*drawn, ink), (curve.pressure, curve.free, soft), (*jump, ink)
         for source, (pressure, strain, color) in zip(self._lines, lines, strict=True):
             source.data = {"xs": [pressure / scale], "ys": [strain], "color": [color]}
-        pressure, text = turn.pressure / scale, "It never falls."
+        pressure, text = turn.pressure / scale, _TEXTS["no_reversal"]
         self._turn.data = {"x": [], "y": [], "label": []}
         if turn.depth > 0:
             label = f"−{turn.depth:.4f}"
             self._turn.data = {"x": [pressure], "y": [turn.free_strain], "label": [label]}
             text = (
-                f"It falls by {turn.depth:.4f} to {turn.free_strain:.4f}, at"
+                f"{_TEXTS['reversal']} It falls by {turn.depth:.4f} to {turn.free_strain:.4f}, at"
                 f" {pressure:.4g} {unit}{', in a jump' * turn.jump}."
             )
         strains = np.concatenate([curve.resisted, curve.free])
         highest = float(curve.pressure[-1]) / scale
         self.chart.set_ranges((0.0, highest), padded_range(strains, 0.18, 0.004))
         self.chart.figure.xaxis[0].axis_label = f"Pressure of unit 2 P2 [{unit}]"
-        self._message.object = ui.status_line(f"{_TEXTS['reversal']} {text}")
+        self._message.object = ui.status_line(text)
         self.chart.describe(f"Free strain of the bundle over the pressure of unit 2. {text}")
 
 
