@@ -214,6 +214,9 @@ def select(trials: Sequence[Candidate], noise: float, loss: str) -> Candidate:
     valid = [trial for trial in trials if trial.valid]
     if not any(trial.constants for trial in valid):  # the muscle as given needs no fit
         rule, remedy = "is too short to leave readings out", "name what to fit, such as c10, c01"
+        if any(trial.violation and np.isfinite(trial.left_out_rmse) for trial in trials):
+            rule = "gives no fit with possible constants"
+            remedy = f"check the muscle's sizes and the record's rest length and units, or {remedy}"
         raise InvalidInputError("record", rule, None, remedy)
     best = min(valid, key=lambda trial: trial.left_out_rmse)
     limit = _OUTLIER * best.left_out_rmse if loss != "linear" else np.inf

@@ -38,6 +38,7 @@ MOST_ROWS = 100_000  # a fit to more takes minutes
 MOST_CURVES, MOST_POINTS = 100, 4_000  # that are drawn: a browser draws them at once
 STARTS = 2  # starting points of a fit: few, so that it doesn't take long
 AUTOMATIC, TUNING = "automatic", "tuning"  # kinds of a fit
+KINDS = {"what the data determine": AUTOMATIC, "the paper's tuning": TUNING}  # by label
 _POINTS = 121  # along a curve
 _PRESSURES = (0.0, 1e5, 2e5, 3e5, 4e5)  # Pa, of the example record
 _TAIL = 0.02  # of the largest force: above it a muscle still pulls
@@ -154,10 +155,18 @@ def fit_record(
     from ..calibrate.fitting import fit
     from ..calibrate.model_selection import select_model
 
-    if kind == AUTOMATIC:
-        return select_model(record, muscle, starts=STARTS, progress=progress)
-    progress("fitting")
-    return Selection(fit(record, muscle, starts=STARTS, whole=False))
+    try:
+        if kind == AUTOMATIC:
+            return select_model(record, muscle, starts=STARTS, progress=progress)
+        progress("fitting")
+        return Selection(fit(record, muscle, starts=STARTS, whole=False))
+    except InvalidInputError as error:
+        if error.argument != "record":
+            raise
+        # the page can't name constants, which is the library's remedy
+        other = next(label for label, other in KINDS.items() if other != kind)
+        remedy = f"choose {other} at What to fit, or check the muscle's sizes and the rest length"
+        raise InvalidInputError("record", error.rule, None, remedy) from None
 
 
 class RecordInputs:
@@ -257,8 +266,7 @@ class DataView(Tab):
         self._example = ui.button(label, self.open_example, color="primary", **wide)
         self._other_example = ui.button(label, self.open_example, visible=False, **wide)
         self.read_inputs = RecordInputs(self._read)
-        kinds = {"what the data determine": AUTOMATIC, "the paper's tuning": TUNING}
-        self.kind = ui.dropdown("What to fit", kinds)
+        self.kind = ui.dropdown("What to fit", KINDS)
         wide |= {"margin": (6, 8)}
         self.job = Job(self, "Calibrate the muscle", self.start_fit, self._show_fit, **wide)
         self.fit_notes = ui.wide_pane()

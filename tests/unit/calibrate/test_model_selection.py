@@ -1,5 +1,7 @@
 """Model selection on synthetic records of known muscles."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -157,10 +159,14 @@ def test_a_better_prediction_needs_a_better_fit(rmse, constants):
     assert best.constants == constants
 
 
-def test_a_record_too_short_for_cross_validation_is_refused():
-    with pytest.raises(fs.InvalidInputError) as error:
-        select([trial(2, np.array([np.nan]))], 0.0, "linear")
-    assert error.value.argument == "record"
+def test_a_record_too_short_for_cross_validation_or_without_a_possible_fit_is_refused():
+    rules = set()
+    for refused in (trial(2, np.array([np.nan])), replace(trial(2, np.ones(9)), violation="bound")):
+        with pytest.raises(fs.InvalidInputError) as error:
+            select([refused], 0.0, "linear")
+        assert error.value.argument == "record"
+        rules.add(error.value.rule)
+    assert len(rules) == 2
 
 
 def test_candidates_without_some_predictions_are_not_compared():

@@ -5,11 +5,14 @@ import pytest
 
 import fascicle as fs
 from fascicle.explorer.data_tab import (
+    KINDS,
     LARGEST_FILE,
     MOST_ROWS,
+    TUNING,
     DataView,
     curves_at_levels,
     example_record,
+    fit_record,
     mismatch_reason,
     read_record,
 )
@@ -151,6 +154,13 @@ def test_a_rest_length_is_refused_at_its_field(tab):
         assert field.message.text and tab.record is before
     field.input.value = "1 m"
     assert not field.message.text and tab.record.strain.max() == pytest.approx(0.075)
+
+
+def test_a_refused_fit_has_a_remedy_that_the_page_has():
+    record = read_record(HEAD + b"100,0,40\n200,0,90\n", "a.csv", MUSCLE)
+    with pytest.raises(fs.InvalidInputError) as error:
+        fit_record(record, MUSCLE, lambda _: None, TUNING)
+    assert any(label in error.value.remedy for label in KINDS)
 
 
 def test_columns_and_units_can_be_given():
