@@ -195,7 +195,7 @@ class MuscleView(StrainTab):
         self._show_curve_and_regions(view, curves)
         self._show_point(view, curves)
         note = ui.status_line(tuning_note(view.muscle))
-        self.notes.object = remarks_html(view, "muscle") + note
+        self.notes.object = remarks_html(view, "muscle", self.session.opened.muscle) + note
 
     def follow(self, before: View, after: View) -> None:
         if changed(before, after, "strain"):

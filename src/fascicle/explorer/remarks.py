@@ -14,9 +14,9 @@ from ..muscle.validation import (
     published_range_message,
 )
 from .muscle_curves import is_tuned
-from .state import CHANGED, View
+from .state import View
 from .texts import TEXTS
-from .widgets import status_line, text_html
+from .widgets import SIZES, status_line, text_html
 
 
 def words_html(*words: str) -> str:
@@ -30,13 +30,18 @@ def glossary_html(title: str, meanings: Mapping[str, str]) -> str:
     return f"<details><summary>{title}</summary><dl>{entries}</dl></details>"
 
 
-def remarks_html(view: View, tab: str) -> str:
-    """Validity warnings, marked, and notes of a `tab` on a `view`."""
+def remarks_html(view: View, tab: str, opened: Muscle | None = None) -> str:
+    """Validity warnings, marked, and notes of a `tab` on a `view`; `opened`: the muscle that was
+    opened, which the view's comes from.
+    """
     lines = []
     unequal = sum(unit.own is not None for unit in view.units)
     if tab == "muscle" and unequal:
         lines.append(f"This is the muscle of unit 1; {unequal} of the others have their own.")
-    if tab == "muscle" and view.name.endswith(CHANGED) and is_tuned(view.muscle):
+    resized = opened is not None and any(
+        getattr(view.muscle, name) != getattr(opened, name) for name in SIZES
+    )
+    if tab == "muscle" and resized and is_tuned(view.muscle):
         lines.append(TEXTS["remarks"]["unmeasured_size"])
     warnings = [f'<p class="warning">{text_html(x)}</p>' for x in validity_warnings(view, tab)]
     return "".join(warnings) + status_line(" ".join(lines))

@@ -127,7 +127,7 @@ class Tuning(Module):
             return ""
         return (
             f"The tuning was measured up to {last / 1e3:.4g} kPa and is held constant above"
-            f" it; the pressure is {highest / 1e3:.4g} kPa."
+            f" it; the highest pressure here is {highest / 1e3:.4g} kPa."
         )
 
     def warn_extrapolation(self, pressure: Values) -> None:

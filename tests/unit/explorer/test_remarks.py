@@ -67,8 +67,11 @@ def test_pressures_above_those_measured_give_a_warning():
 
 def test_notes_on_several_muscles_and_on_a_tuning_for_another_size():
     unequal = replace(SIX, units=(Unit(1), Unit(2, own=OTHER)))
-    edited = replace(TUNED, name="kim2021_slenderness_10, changed")
-    noted = [(unequal, "muscle"), (edited, "muscle")]
-    plain = [(unequal, "bundle"), (TUNED, "muscle"), (TUNED, "bundle")]
+    longer = replace(TUNED, muscle=TUNED.muscle.replace(length=0.2))
+    other_law = replace(TUNED, muscle=TUNED.muscle.replace(buckling="elastica"))
+    opened = TUNED.muscle
+    noted = [(unequal, "muscle"), (longer, "muscle", opened)]
+    plain = [(unequal, "bundle"), (TUNED, "bundle")]
+    plain += [(other_law, "muscle", opened), (longer, "bundle", opened)]
     assert all('role="status"' in remarks_html(*case) for case in noted)
     assert not any('role="status"' in remarks_html(*case) for case in plain)
