@@ -39,6 +39,7 @@ class Story:
         self._opened, self._changes, self._timer = session.opened, 0, None
         self._text = wide_pane(margin=0, css_classes=["live", "scene-text"])
         self._texts = LatestResult(self._show_text, self._show_error)
+        self._views = LatestResult(self._show_view, self._show_error)
         self.back = button("Back", lambda: self._move(-1))
         style = {"color": "primary", "css_classes": ["story-next"]}
         self.next = button("Next", lambda: self._move(1), **style)
@@ -88,32 +89,43 @@ class Story:
 
     def _show_scene(self, scene: int) -> None:
         self._stop_playing()
-        self.scene = scene
-        self.next.label = "Done" if scene == len(TITLES) else "Next"
-        view = scene_view(self._session.view, scene)
+        self.scene, before = scene, self._session.view
+        self._running.visible = True
+        if scene == len(TITLES):  # seconds, the first time
+            self.next.disabled = True
+            self._write(scene, _TEXTS["computing"])
+        self._views.request(lambda: (scene, scene_view(before, scene)))
+
+    def _show_view(self, result: tuple[int, View]) -> None:
+        """Show the inputs of a scene, unless another one was chosen meanwhile."""
+        scene, view = result
+        if scene != self.scene:
+            return
         if scene == len(TITLES) and session_document() is not None:
             self._play(view)
         else:
             self._session.show(view)
-        self._running.visible = True
+        self.next.param.update(label="Done" if scene == len(TITLES) else "Next", disabled=False)
 
     def _play(self, view: View) -> None:
         """Raise the second unit's pressure from zero to that of a `view`, step by step."""
         first, last, *others = view.pressures
         steps = iter(np.linspace(0.0, last, _STEPS).tolist())
-        self._session.show(replace(view, pressures=(first, next(steps), *others)))
 
         def step() -> None:
             second = next(steps, None)
             if second is None:
                 self._stop_playing()
                 self._session.show(view)
+                self._request_text(view, view)  # also where the last step has shown the same
                 return
             pressures = (first, float(f"{second:.5g}"), *others)
             strain = round(float(view.bundle.free_strain(pressures)), 4)
             self._session.show(replace(view, pressures=pressures, strain=strain))
 
+        # before the first step: the text follows when the last one is shown
         self._timer = pn.state.add_periodic_callback(step, period=_STEP_TIME)
+        self._session.show(replace(view, pressures=(first, next(steps), *others)))
 
     def _stop_playing(self) -> None:
         if self._timer is not None:
@@ -121,11 +133,15 @@ class Story:
             self._timer = None
 
     def _request_text(self, _: View, view: View) -> None:
-        if scene := self.scene:
+        if (scene := self.scene) and self._timer is None:  # no text of a step that is past
             self._texts.request(lambda: (scene, scene_text(view, scene)))
 
     def _show_text(self, result: tuple[int, str]) -> None:
-        scene, text = result
+        if result[0] == self.scene and self._timer is None:
+            self._write(*result)
+
+    def _write(self, scene: int, text: str) -> None:
+        """Write the `text` of a `scene` under its title."""
         title = f"{scene} of {len(TITLES)}: {TITLES[scene - 1]}"
         more = {1: _TEXTS["promise"], len(TITLES): _TEXTS["why"]}.get(scene, "")
         note = f' <span class="soft">{more}</span>' if more else ""
@@ -193,7 +209,9 @@ def _reversal_text(view: View, format_value: Callable[[float, str], str]) -> str
     states = (first, 0.0, *view.pressures[2:]), view.pressures
     before, reach = (float(bundle.free_strain(P, view.resistance)) for P in states)
     push = -float(bundle.unit_forces(view.pressures, reach, view.resistance)[1])
-    effect = "resists" if reach < before and push > 0 else "reaches"
+    # "only" where the numbers that are shown differ
+    shorter = reach < before and format_value(reach, "strain") != format_value(before, "strain")
+    effect = "resists" if shorter and push > 0 else "reaches"
     return f"{_TEXTS['vented']} {_TEXTS[effect]}".format(
         first=format_value(first, "pressure"),
         second=format_value(second, "pressure"),

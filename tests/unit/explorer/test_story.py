@@ -8,7 +8,7 @@ import pytest
 
 import fascicle as fs
 from fascicle.bundle.reversal import reversal
-from fascicle.explorer.state import Session, view_of
+from fascicle.explorer.state import Session, Unit, view_of
 from fascicle.explorer.story import TITLES, Story, scene_text, scene_view
 
 
@@ -107,3 +107,12 @@ def test_the_story_leaves_no_step_to_undo():
     assert session.view == own and session.changes[0] == 1
     session.undo()
     assert session.view == VIEW
+
+
+def test_a_reach_that_is_less_by_rounding_is_not_called_shorter():
+    view = replace(scene_view(VIEW, 4), units=(Unit(1), Unit(1)))
+    vented, filled = (view.supply, 0.0), (view.supply, 1e3)
+    before, reach = (float(view.bundle.free_strain(P)) for P in (vented, filled))
+    assert 0 < before - reach < 5e-4  # the same three digits
+    shown = numbers(scene_text(replace(view, pressures=filled), 4))
+    assert shown[-1] == shown[3] == pytest.approx(reach, abs=5e-4)  # no push follows
