@@ -149,11 +149,13 @@ def check_limit(value: float, top: float, name: str, dimension: str, unit: str) 
 
 
 def page_message(error: ValueError | str, **labels: str) -> str:
-    """A message of the library in one line, with the page's label for its argument."""
+    """A message of the library in one line, with the page's labels for arguments."""
     line = str(error)
     if isinstance(error, InvalidInputError):
         default = error.argument.replace("_", " ").capitalize()
-        line = error.line((_LABELS | labels).get(error.argument, default))
+        labels = _LABELS | labels
+        line = error.line(labels.get(error.argument, default))
+        line = re.sub(r"`(\w+)`", lambda name: labels.get(name[1], name[0]), line)
     return sanitize_line(line)
 
 

@@ -177,7 +177,8 @@ def check_muscle(muscle: "Muscle") -> None:
     if is_concrete(t0, r0) and np.any(np.asarray(t0) >= r0):
         t0, r0 = np.broadcast_arrays(t0, r0)
         bad, limit = (float(x[t0 >= r0].flat[0]) for x in (t0, r0))
-        rule, text = "must be less than `outer_radius`", f"{bad:g} m and {limit:g} m"
+        rule = "must be less than `outer_radius`"
+        text = f"{pretty(bad, 'length')} and {pretty(limit, 'length')}"
         raise InvalidInputError("wall_thickness", rule, bad, shown=text)
     warn_user(proportions_message(muscle.length, muscle.outer_radius))
     if is_concrete(ratio) and not np.all((np.asarray(ratio) >= 1) & (ratio < _LARGEST_RATIO)):

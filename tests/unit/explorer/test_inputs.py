@@ -6,7 +6,7 @@ import fascicle as fs
 from fascicle.explorer.bundle_tab import UnitRows
 from fascicle.explorer.muscle_tab import MuscleInputs
 from fascicle.explorer.state import Session, view_of
-from fascicle.explorer.widgets import QuantitySlider
+from fascicle.explorer.widgets import SIZES, QuantitySlider
 from fascicle.muscle import LAWS
 from fascicle.units import parse
 
@@ -56,6 +56,13 @@ def test_a_value_that_is_restored_is_no_change(page):
     session.open(view_of(session.view.muscle.replace(length=0.2), "kim2021_figure_6, changed"))
     length.value = before
     assert session.view.name == "kim2021_figure_6"
+
+
+def test_a_rule_between_two_sizes_has_the_labels_of_both(page):
+    inputs, _ = page
+    inputs.fields["wall_thickness"].input.value = "20 mm"
+    text = inputs.fields["wall_thickness"].message.text
+    assert all(SIZES[name][0] in text for name in ("wall_thickness", "outer_radius"))
 
 
 @pytest.mark.parametrize("unit", ["kPa", "psi", "bar"])
