@@ -30,9 +30,9 @@ _EQUAL = 1e-6  # of the larger one: runs that differ by less are as good as each
 class ControlMetrics(NamedTuple):
     """Metrics of a controlled run: tracking, dips, and supply.
 
-    `drawdown` while the demand rose [SI]; deepest `dip` of a unit at the run's strains [N]; root
-    mean square `rms` and `largest_error` of the error [SI] at each step's end, without that of the
-    start, which no controller chose; `lag` with the least error [s];
+    At the ends of steps, without the start, which no controller chose: `drawdown` while the demand
+    rose, root mean square `rms` and `largest_error` of the error [SI], and the `lag` with the least
+    error [s]. Deepest `dip` of a unit at the run's strains [N];
     `supply_energy` [J] and `fluid` [kg] from the supply; how often a unit was `recruited`. Of the
     run's `moments`, the number of those whose demand was `unreachable`, the `first` and `last` of
     them [s], nan if there are none, and the largest distance from reach, `short` [SI].
@@ -83,8 +83,7 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
     if target.shape != (len(run.time) - 1,):
         raise InvalidInputError("reference", "must have one for each step", target.size)
     # the output at a step's end is compared with the demand at its beginning
-    output = controlled_output(controller, run)
-    y = output[1:]
+    y = controlled_output(controller, run)[1:]
     reach = reachability(controller, outputs, target)
     can, out_of_reach = reach.is_reachable, np.flatnonzero(~reach.is_reachable)
     first, last = run.time[out_of_reach[[0, -1]]] if out_of_reach.size else (np.nan, np.nan)
@@ -97,9 +96,7 @@ def control_metrics(controller: Cascade, run: Trajectory, reference: Values) -> 
     fluid = float(np.maximum(np.asarray(outputs.drawn)[:-1], 0.0).sum() * dt)
     costs = float(spent[-1] - spent[0]), fluid, recruited
     missed = len(out_of_reach), len(can), float(first), float(last), float(np.max(reach.shortfall))
-    # a fall in the first step is one, too
-    deepest = drawdown(output, np.append(target[0], target), np.append(can[0], can))
-    return ControlMetrics(deepest, dip, *errors, *costs, *missed)
+    return ControlMetrics(drawdown(y, target, can), dip, *errors, *costs, *missed)
 
 
 def controlled_output(controller: Cascade, run: Trajectory) -> Numbers:
