@@ -53,6 +53,8 @@ def pytest_runtest_teardown(item, nextitem):
     """Compiled functions each take several memory maps, of which a process may have 65530: a
     worker that keeps all of them ends in a segmentation fault. Slow tests make many.
     """
+    if pyplot := sys.modules.get("matplotlib.pyplot"):  # a library may have imported it
+        pyplot.close("all")
     jax, maps = sys.modules.get("jax"), Path("/proc/self/maps")
     if nextitem and nextitem.path == item.path and not item.get_closest_marker("slow"):
         return
