@@ -143,9 +143,9 @@ def identify(
     # heat flows in time, so that the curve depends on the valve's size, by little
     _, size = _fit(*rows, _chamber_curve(*chamber, 1.0, *rows), 1.0, bends=0)
     curve = _chamber_curve(*chamber, size, *rows)
-    (best, _), (other, _) = (_fit(*rows, curve, size, bends) for bends in (0, 1))
+    (best, _), (bent, _) = (_fit(*rows, curve, size, bends) for bends in (0, 1))
     sample = float(np.median(np.diff(t)))
-    misfit = np.array([best.delay - other.delay, best.lag - other.lag])
+    misfit = np.array([best.delay - bent.delay, best.lag - bent.lag])
     errors = np.array([best.delay_error, best.lag_error])
     errors = np.sqrt(errors**2 + misfit**2 + sample**2 / 12)
     doubt = _TWO_SIDED * float(np.max(errors))
@@ -185,21 +185,21 @@ def _chamber_curve(
     """
     chamber, supply, strains = plant.chamber, plant.supply.initial_state(), plant.strains(position)
     plant = with_fields(plant, spool=Direct())
-    P, wide = np.zeros(plant.units), np.zeros(plant.units)
-    P[index], wide[index] = start, opening
+    P, command = np.zeros(plant.units), np.zeros(plant.units)
+    P[index], command[index] = start, opening
     s, rows = plant.chambers_at(P, position), [start]
     h, target = elapsed[-1] / _STEPS, _BEYOND * abs(pressure[-1] - start)
 
     def rates(s: Numbers, P: Numbers) -> tuple[Numbers, Numbers]:
         fluid = evaluate_chambers(plant, s, strains, P)
-        flows = evaluate_flows(plant, State(position, 0.0, P[:0], s, P, supply), P, wide)
+        flows = evaluate_flows(plant, State(position, 0.0, P[:0], s, P, supply), P, command)
         inflow = size * flows.mass, size * flows.enthalpy
         P_dot = fluid.pressure_rate(chamber.rates(s, P, *inflow, 0.0), 0.0)
         return chamber.rates(s, P, *inflow, fluid.by_pressure * P_dot), P_dot
 
     with np.errstate(all="ignore"):  # of branches that aren't taken
         point, travels = State(position, 0.0, P[:0], s, P, supply), -np.expm1(-_TRAVEL)[:, None]
-        flow = evaluate_flows(plant, point, P, travels * wide).mass[:, index]
+        flow = evaluate_flows(plant, point, P, travels * command).mass[:, index]
         while abs(rows[-1] - start) < target and len(rows) < _LONGEST * _STEPS:
             s_1, P_1 = rates(s, P)
             s_2, P_2 = rates(s + h * s_1, P + h * P_1)
@@ -225,8 +225,8 @@ def _fit(
         # beyond the spool's travel the valve is open
         s = lag * np.interp(u / lag, _TRAVEL, curve.shares)
         s += np.maximum(u - lag * _TRAVEL[-1], 0.0)
-        opened = np.exp(log_size) * s * (1 + sum(bend) * s / span)
-        return (np.interp(opened, curve.sums, curve.pressures) - pressure) / scale + offset
+        flow_sum = np.exp(log_size) * s * (1 + sum(bend) * s / span)
+        return (np.interp(flow_sum, curve.sums, curve.pressures) - pressure) / scale + offset
 
     sizes = np.log(size) + np.log([0.5, 1.0, 2.0])
     guesses = [np.array(row) for row in itertools.product(_GUESSES, _GUESSES, [0.0], sizes)]
@@ -243,9 +243,9 @@ def _fit(
     # a pressure that hasn't moved yet, or never does, says nothing, and with no doubt
     if np.sum(elapsed > fit.x[0] * span) < n or not np.any(fit.jac[:, 0]):
         errors += np.inf
-    missed = scale * float(np.sqrt(np.mean(fit.fun**2)))
-    found = StepResponse(*map(float, (*(span * fit.x[:2]), *errors[:2], missed)))
-    return found, float(np.exp(fit.x[3]))
+    rmse = scale * float(np.sqrt(np.mean(fit.fun**2)))
+    response = StepResponse(*map(float, (*(span * fit.x[:2]), *errors[:2], rmse)))
+    return response, float(np.exp(fit.x[3]))
 
 
 def loop_margins(pressure_time: Values, lag: Values, delay: Values) -> LoopMargins:

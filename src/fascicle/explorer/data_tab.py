@@ -164,7 +164,7 @@ def fit_record(
         if error.argument != "record":
             raise
         # the page can't name constants, which is the library's remedy
-        other = next(label for label, other in KINDS.items() if other != kind)
+        other = next(label for label, value in KINDS.items() if value != kind)
         remedy = f"choose {other} at What to fit, or check the muscle's sizes and the rest length"
         raise InvalidInputError("record", error.rule, None, remedy) from None
 
